@@ -13,6 +13,7 @@
 #include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/log.hpp"
+#include "rt/daemon/plugin_watchdog.hpp"
 #include "rt/daemon/service_manager.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
@@ -22,6 +23,7 @@ using palpate::bus::wall_clock_us;
 using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
+using palpate::daemon::PluginWatchdog;
 
 /// Blocks, in all threads, the signals that end the program or request a record; wait_for_end()
 /// receives them.
@@ -61,13 +63,13 @@ void write_record(Daemon& daemon) {
 
 /// Supervises the loop until a signal requests the end or the loop has ended. `cycles`: count of
 /// the loop.
-void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop,
+void wait_for_end(const sigset_t& signals, Daemon& daemon, const PluginWatchdog& watchdog,
                   const std::atomic<std::int64_t>& cycles) {
   using palpate::daemon::LoopWatch;
   const timespec interval{0, 50'000'000};
   palpate::daemon::ServiceManager manager;
   LoopWatch watch(manager);
-  while (!stop) {
+  while (watchdog.hung() == nullptr) {
     const int signal = sigtimedwait(&signals, nullptr, &interval);
     tell_events(daemon, watch);
     write_record(daemon);
@@ -154,12 +156,27 @@ struct Options {
 
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
+/// The loop's thread never returns from a plug-in: the process ends without it.
+void end_if_hung(const PluginWatchdog& watchdog) {
+  if (watchdog.hung() == nullptr) return;
+  spdlog::error("{} has not returned from a call in the loop: zero command, palpated ends",
+                watchdog.hung());
+  std::_Exit(palpate::daemon::end_log(palpate::config::kExitHung));
+}
+
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
   constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate guarantees half of it
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> cycles{0};
+  PluginWatchdog::Options options;
+  if (daemon.settings().loop.fifo_priority > 0)
+    options.fifo_priority = daemon.settings().loop.fifo_priority + 1;
+  PluginWatchdog watchdog(options, cycles, [&daemon](const char*) {
+    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+  });
   std::thread thread([&] {
     name_this_thread("palpated-loop");
+    const auto watched = watchdog.watch_this_thread();
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
     const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
     if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
@@ -176,7 +193,8 @@ void run_real_time(Daemon& daemon, const sigset_t& signals) {
     });
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
   });
-  wait_for_end(signals, daemon, stop, cycles);
+  wait_for_end(signals, daemon, watchdog, cycles);
+  end_if_hung(watchdog);
   stop = true;
   thread.join();
 }
@@ -186,14 +204,21 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> rounds{0};  // continues without ticks
+  PluginWatchdog::Options options;
+  options.patience = 1;  // a cycle may take longer than in real time
+  PluginWatchdog watchdog(options, rounds, [&daemon](const char*) {
+    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+  });
   std::thread thread([&] {
     name_this_thread("palpated-loop");
+    const auto watched = watchdog.watch_this_thread();
     while (!stop) {
       if (control.receive(kLookAtStop)) clock.run_pending(daemon);
       rounds.fetch_add(1, std::memory_order_relaxed);
     }
   });
-  wait_for_end(signals, daemon, stop, rounds);
+  wait_for_end(signals, daemon, watchdog, rounds);
+  end_if_hung(watchdog);
   stop = true;
   thread.join();
 }
@@ -286,6 +311,9 @@ int main(int argc, char** argv) {
   if (const auto code = palpate::config::parse(
           app, argc, argv,
           {{{0, "ended by a signal, or the configuration is valid (--check)"},
+            {palpate::config::kExitHung,
+             "a plug-in did not return from a call in the loop; the robot has been sent a zero "
+             "command"},
             {78,
              "wrong configuration; the message names file, line, key, value and allowed range"}}}))
     return *code;

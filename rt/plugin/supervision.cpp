@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <future>
+#include <thread>
 
 #include "rt/loop/helper_thread.hpp"
 
@@ -11,16 +12,37 @@ namespace {
 thread_local CallRecord* thread_record = nullptr;
 thread_local SetupScope* thread_scope = nullptr;
 
+constexpr char kClaimed[] = "claimed";
+
+[[noreturn]] void sleep_for_ever() noexcept {
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
 }  // namespace
 
 RecordCalls::RecordCalls(CallRecord& record) noexcept { thread_record = &record; }
 RecordCalls::~RecordCalls() { thread_record = nullptr; }
 
-InCall::InCall(const char* component) noexcept : record_(thread_record) {
-  if (record_ != nullptr) record_->component.store(component, std::memory_order_release);
+const char* CallRecord::component() const noexcept {
+  const char* name = component_.load(std::memory_order_acquire);
+  return name == kClaimed ? nullptr : name;
 }
+
+bool CallRecord::claim(const char* component) noexcept {
+  return component_.compare_exchange_strong(component, kClaimed, std::memory_order_acq_rel);
+}
+
+InCall::InCall(const char* component) noexcept : record_(thread_record), component_(component) {
+  if (record_ == nullptr) return;
+  outer_ = record_->component_.exchange(component, std::memory_order_acq_rel);
+  if (outer_ == kClaimed) sleep_for_ever();
+}
+
 InCall::~InCall() {
-  if (record_ != nullptr) record_->component.store(nullptr, std::memory_order_release);
+  if (record_ == nullptr) return;
+  const char* own = component_;
+  if (!record_->component_.compare_exchange_strong(own, outer_, std::memory_order_acq_rel))
+    sleep_for_ever();
 }
 
 void within_deadline(const std::string& component, std::function<void()> call, double deadline) {

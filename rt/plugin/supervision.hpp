@@ -11,8 +11,18 @@ namespace palpate::plugin {
 inline constexpr double kSetupDeadline = 5;  // s
 
 /// The plug-in's component whose code a thread executes, for a watchdog in another thread.
-struct CallRecord {
-  std::atomic<const char*> component{nullptr};  // nullptr: none
+class CallRecord {
+ public:
+  /// Name of the component; nullptr: none, or the thread has been claimed.
+  const char* component() const noexcept;
+  /// For the watchdog, of a thread that is in a call of `component`: from now on that thread does
+  /// nothing but sleep, should the call end, so that another one can act in its place. False if it
+  /// is no longer in that call.
+  bool claim(const char* component) noexcept;
+
+ private:
+  friend class InCall;
+  std::atomic<const char*> component_{nullptr};
 };
 
 /// During its lifetime, calls of plug-ins by this thread are noted in `record`.
@@ -24,7 +34,7 @@ class RecordCalls {
   RecordCalls& operator=(const RecordCalls&) = delete;
 };
 
-/// Notes a call of `component` (its name outlives the call) by this thread.
+/// Notes a call of `component` (its name outlives the call) by this thread. Calls may be nested.
 class InCall {
  public:
   explicit InCall(const char* component) noexcept;
@@ -34,6 +44,8 @@ class InCall {
 
  private:
   CallRecord* record_;
+  const char* component_;
+  const char* outer_ = nullptr;
 };
 
 /// A plug-in did not return in time.
