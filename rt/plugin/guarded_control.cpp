@@ -154,7 +154,9 @@ class GuardedJacobianProvider final : public control::JacobianProvider {
       known = made.update(feature, model, X_OG, J_.matrix(J.rows()));
     });
     check(J_);
-    if (provider_.why() != nullptr || !known || !own.allFinite()) return false;
+    if (known && !own.allFinite())
+      provider_.fail("the plug-in gives a Jacobian that is not finite");
+    if (provider_.why() != nullptr || !known) return false;
     J = own;
     return true;
   }
@@ -165,7 +167,12 @@ class GuardedJacobianProvider final : public control::JacobianProvider {
     provider_.call(
         [&](PluginJacobianProvider& made) { moves = made.commands(inputs, twist_.value); });
     check(twist_);
-    if (provider_.why() != nullptr || !moves) return false;
+    if (provider_.why() != nullptr) {
+      // The pipeline treats a command that is not finite as a fault.
+      V_O_G.linear.setConstant(kNan);
+      return true;
+    }
+    if (!moves) return false;
     V_O_G = twist_.value;
     return true;
   }
