@@ -129,7 +129,7 @@ const Pair kPairs[] = {
     {"as_rigid_as_possible",
      {"deformation", "as_rigid_as_possible", ""},
      {"deformation", "corotational_quasistatic", ""},
-     {}},
+     {"plugins=[{library: palpate-baselines.so}]"}},
     {"filter", {"estimation", "pose_wrench_filter", ""}, {"estimation", "pose_driven", ""}, {}},
     {"quadratic_program",
      {"control", "", "law: quadratic_program"},

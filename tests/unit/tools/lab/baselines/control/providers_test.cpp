@@ -1,20 +1,31 @@
 // Published controllers in the daemon's pipeline: each can be configured, none allocates in the
 // loop, and observed markers replace the model's feature.
 
-#include "rt/registry/published_control_registry.hpp"
-
 #include <gtest/gtest.h>
 
 #include "rt/loop/allocation_counter.hpp"
 #include "rt/pipeline/pipeline.hpp"
+#include "rt/plugin/plugins.hpp"
 
-namespace palpate::registry {
+namespace palpate::baselines {
 namespace {
 
 const std::string kExample =
     std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
 
-std::string error_of(const std::vector<std::string>& overrides) {
+const std::string kLibrary = "plugins=[{library: palpate-baselines.so}]";
+
+/// Names of the library's providers.
+std::vector<std::string> published_providers() {
+  std::vector<std::string> names;
+  const auto plugins = plugin::Plugins::load(config::Node::load_file(kExample, {kLibrary}));
+  for (const auto& entry : plugins->components().jacobian_providers.entries())
+    names.push_back(entry.name);
+  return names;
+}
+
+std::string error_of(std::vector<std::string> overrides) {
+  overrides.push_back(kLibrary);
   try {
     const config::Node root = config::Node::load_file(kExample, overrides);
     const pipeline::Pipeline pipeline(root, 1e-3);
@@ -29,9 +40,10 @@ class Rivals : public ::testing::Test {
  protected:
   void build(std::vector<std::string> overrides) {
     overrides.emplace_back("sensing=[]");
+    overrides.push_back(kLibrary);
     pipeline_ =
         std::make_unique<pipeline::Pipeline>(config::Node::load_file(kExample, overrides), 1e-3);
-    const Frames& frames = pipeline_->frames(0);
+    const registry::Frames& frames = pipeline_->frames(0);
     signals_ = {};
     signals_.robot.freshness = sensing::Freshness::kNew;
     signals_.robot.age = 0;
@@ -157,4 +169,4 @@ TEST_F(Rivals, WithTheModelAFeatureOutlivesItsSight) {
 }
 
 }  // namespace
-}  // namespace palpate::registry
+}  // namespace palpate::baselines
