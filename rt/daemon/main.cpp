@@ -164,11 +164,13 @@ void end_if_hung(const PluginWatchdog& watchdog) {
   std::_Exit(palpate::daemon::end_log(palpate::config::kExitHung));
 }
 
-void run_real_time(Daemon& daemon, const sigset_t& signals) {
+/// `has_plugins`: whether a watchdog is needed.
+void run_real_time(Daemon& daemon, const sigset_t& signals, bool has_plugins) {
   constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate guarantees half of it
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> cycles{0};
   PluginWatchdog::Options options;
+  options.enabled = has_plugins;
   if (daemon.settings().loop.fifo_priority > 0)
     options.fifo_priority = daemon.settings().loop.fifo_priority + 1;
   PluginWatchdog watchdog(options, cycles, [&daemon](const char*) {
@@ -200,11 +202,12 @@ void run_real_time(Daemon& daemon, const sigset_t& signals) {
 }
 
 void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
-                 palpate::bus::MessageBus& control, const sigset_t& signals) {
+                 palpate::bus::MessageBus& control, const sigset_t& signals, bool has_plugins) {
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> rounds{0};  // continues without ticks
   PluginWatchdog::Options options;
+  options.enabled = has_plugins;
   options.patience = 1;  // a cycle may take longer than in real time
   PluginWatchdog watchdog(options, rounds, [&daemon](const char*) {
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
@@ -267,7 +270,9 @@ int run(const Options& options, const sigset_t& signals) {
                extent_of(daemon.pipeline().object()));
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
   const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
-  options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
+  const bool has_plugins = root.has("plugins");
+  options.stepped ? run_stepped(daemon, clock, *control, signals, has_plugins)
+                  : run_real_time(daemon, signals, has_plugins);
   write_record(daemon);
   control->stop();
   if (options.stepped) warn_of_losses(daemon);

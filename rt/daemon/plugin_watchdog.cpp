@@ -23,12 +23,12 @@ constexpr double kLeastShare = 0.5;
 PluginWatchdog::PluginWatchdog(const Options& options, const std::atomic<std::int64_t>& cycles,
                                std::function<void(const char*)> act)
     : options_(options), cycles_(cycles), act_(std::move(act)) {
-  thread_ = loop::start_helper_thread("palpated-watch", [this] { run(); });
+  if (options.enabled) thread_ = loop::start_helper_thread("palpated-watch", [this] { run(); });
 }
 
 PluginWatchdog::~PluginWatchdog() {
   stop_ = true;
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 plugin::RecordCalls PluginWatchdog::watch_this_thread() {

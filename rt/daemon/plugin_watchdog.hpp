@@ -18,6 +18,7 @@ class PluginWatchdog {
     double patience = 0.01;   // s without a cycle, all of them within a call of a plug-in
     double interval = 0.001;  // s between two looks
     int fifo_priority = 0;    // 0: ordinary scheduling
+    bool enabled = true;      // false: no thread, and nothing is noticed
   };
 
   /// `cycles`: count of the loop. `act(component)` runs once, in the watchdog's thread, after the

@@ -48,6 +48,7 @@ class GuardedFeature final : public shape::Feature {
 
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override {
+    feature_.recover();  // the pipeline calls a feature that has faulted after reset() only
     feature_.call([this, from = &positions](PluginFeature& made) {
       made.evaluate(*from, value_.vector());
       defined_ = made.is_defined();

@@ -109,6 +109,7 @@ class GuardedForceTransformer final : public contact::ForceTransformer {
 
   void distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
                   contact::ContactLoads& out) noexcept override {
+    transformer_.recover();  // it has no state that would be undefined
     contact::ContactLoads& own = out_->value;
     own.source = out.source;
     own.accepted = out.accepted;

@@ -32,7 +32,7 @@ ALLOWED = {
                    "core/kinematics core/control rt/loop rt/config "
                    "rt/inference rt/plugin",
     "rt/pipeline": "core/mesh core/sensing core/estimation core/control rt/plugin rt/registry",
-    "rt/daemon": "core/elasticity core/sensing core/shape rt/loop rt/bus rt/config rt/registry rt/pipeline",
+    "rt/daemon": "core/elasticity core/sensing core/shape rt/loop rt/bus rt/config rt/plugin rt/registry rt/pipeline",
     # The plant must not share the estimator's model: no core/elasticity, no core/collision; of
     # sensing only the manufacturer's data of the sensor; of the loop its clock.
     "sim/draw": "core/math rt/loop/sanitizer.hpp",
