@@ -26,7 +26,7 @@ const Slot kSlots[] = {
     {"contact", transformer, "{component: wrench_patch}"},
     {"estimation", estimator, "{component: pose_driven}"},
     {"deformation", model, "{component: corotational_quasistatic}"},
-    {"feature", feature, "{component: point, rest_points: [[0, 0, 0]]}"},
+    {"feature", feature, "{component: point, rest_points: [[0.25, 0.03, 0.06]]}"},
     {"control_provider", provider, "{provider: fem, law: proportional_twist}"},
     {"control_law", law, "{provider: fem, law: proportional_twist}"},
 };
@@ -45,12 +45,21 @@ TEST_P(PluginFaults, AreHandledInTheirCycle) {
     if (slot.configured != sensor) overrides.push_back(sensor("nothing", ""));
     overrides.push_back(slot.configured(does, more));
     Running running(overrides);
-    running.run(200);  // expects finite commands
+    running.run(55);
+    int pauses = 0;  // cycles without a command
+    for (int cycle = 0; cycle < 145; ++cycle) {
+      running.run(1);  // expects finite commands
+      if (running.speed == 0) ++pauses;
+    }
     const pipeline::Condition condition = running.pipeline.condition();
     if (has_fallback) {
       EXPECT_TRUE(running.pipeline.on_fallback()) << seed;
       EXPECT_EQ(condition.state, pipeline::LifeCycle::kDegraded) << seed << condition.reason;
       EXPECT_TRUE(running.pipeline.model().positions().allFinite());
+      // A sensor's fallback tares first; a model without sensitivity steers nothing before.
+      if (slot.configured != sensor && slot.configured != model) {
+        EXPECT_EQ(pauses, 0) << seed;
+      }
     } else {
       EXPECT_EQ(running.speed, 0) << seed;
       EXPECT_GE(static_cast<int>(condition.state), static_cast<int>(pipeline::LifeCycle::kDegraded))

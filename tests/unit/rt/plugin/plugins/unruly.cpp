@@ -202,10 +202,13 @@ class Model : public plugin::PluginDeformationModel {
   Mischief mischief_;
 };
 
-/// Position of node 0.
+/// Position of the node nearest to the point of the example.
 class Feature : public plugin::PluginFeature {
  public:
-  explicit Feature(const Options& options) : mischief_(options), jacobian_(3, 3) {
+  Feature(const Options& options, const PluginCell& cell) : mischief_(options), jacobian_(3, 3) {
+    Eigen::Index nearest = 0;
+    (cell.body->mesh.nodes.colwise() - points_[0]).colwise().squaredNorm().minCoeff(&nearest);
+    support_[0] = static_cast<int>(nearest);
     for (int i = 0; i < 3; ++i) jacobian_.insert(i, i) = 1;
     jacobian_.makeCompressed();
   }
@@ -217,7 +220,7 @@ class Feature : public plugin::PluginFeature {
     if (first_) mischief_.warm_up();
     first_ = false;
     mischief_.act();
-    value = positions.col(0);
+    value = positions.col(support_[0]);
     if (mischief_.is("nan")) value[0] = kNan;
     if (mischief_.is("overrun")) value.data()[value.size()] = 0;
   }
@@ -233,7 +236,7 @@ class Feature : public plugin::PluginFeature {
  private:
   Mischief mischief_;
   bool first_ = true;
-  std::vector<Eigen::Vector3d> points_{Eigen::Vector3d::Zero()};
+  std::vector<Eigen::Vector3d> points_{Eigen::Vector3d(0.25, 0.03, 0.06)};
   std::vector<int> support_{0};
   Eigen::SparseMatrix<double> jacobian_;
 };
@@ -241,6 +244,10 @@ class Feature : public plugin::PluginFeature {
 template <class Component>
 std::unique_ptr<Component> make(const Options& options, const PluginCell&) {
   return std::make_unique<Component>(options);
+}
+
+std::unique_ptr<Feature> make_feature(const Options& options, const PluginCell& cell) {
+  return std::make_unique<Feature>(options, cell);
 }
 
 std::unique_ptr<Law> make_law(const Options& options, const PluginCell& cell) {
@@ -263,7 +270,7 @@ PALPATE_PLUGIN(registrar) {
   registrar.force_transformers.add("unruly_transformer", table(), make<Transformer>);
   registrar.estimators.add("unruly_estimator", table(), make<Estimator>);
   registrar.deformation_models.add("unruly_model", table(), make<Model>);
-  registrar.features.add("unruly_feature", table(), make<Feature>);
+  registrar.features.add("unruly_feature", table(), make_feature);
   registrar.jacobian_providers.add("unruly_provider", table(), make<Provider>);
   registrar.control_laws.add("unruly_law", table(), make_law);
 #endif
