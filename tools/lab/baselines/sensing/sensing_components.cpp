@@ -77,7 +77,8 @@ void add_fem_methods(plugin::PluginRegistrar& registrar) {
   add<ProbeAndFit>(
       registrar, "probe_and_fit",
       cloud_table<Fit>()
-          .number("probing_s", "s", "of probing before an estimate is given", {0.1, 1e4}, &Fit::probing)
+          .number("probing_s", "s", "of probing before an estimate is given", {0.1, 1e4},
+                  &Fit::probing)
           .number("round_s", "s", "between two rounds of the fit", {0.01, 1e4}, &Fit::rounds)
           .number("force_deviation", "N", "standard deviation of a measured force", {1e-5, 10},
                   &Fit::force)
