@@ -157,7 +157,7 @@ class OtherModels : public ::testing::Test {
 
 TEST_F(OtherModels, AsRigidAsPossibleIsThatOfItsOwnShapes) {
   DifferenceJacobian provider({}, body_, 0, [](const elasticity::Body& body) {
-    return std::make_unique<elasticity::AsRigidAsPossible>(body);
+    return std::make_unique<AsRigidAsPossible>(body);
   });
   shape::PointFeature point = point_at(body_, 0.25);
   VectorXd value(3);
@@ -165,7 +165,7 @@ TEST_F(OtherModels, AsRigidAsPossibleIsThatOfItsOwnShapes) {
   provider.settle(bent(), 2000);
   MatrixXd J(3, 6);
   ASSERT_TRUE(provider.update(point, model_, bent(), J));
-  const MatrixXd expected = numeric<elasticity::AsRigidAsPossible>(point, bent(), 1e-3);
+  const MatrixXd expected = numeric<AsRigidAsPossible>(point, bent(), 1e-3);
   EXPECT_LT((J - expected).norm() / expected.norm(), 0.05) << J << "\n\n" << expected;
 }
 
@@ -187,7 +187,7 @@ TEST_F(OtherModels, MassSpringIsThatOfItsOwnShapes) {
 
 TEST_F(OtherModels, FollowTheHandInTurn) {
   DifferenceJacobian provider({}, body_, 0, [](const elasticity::Body& body) {
-    return std::make_unique<elasticity::AsRigidAsPossible>(body);
+    return std::make_unique<AsRigidAsPossible>(body);
   });
   shape::PointFeature point = point_at(body_, 0.25);
   VectorXd value(3);

@@ -108,7 +108,7 @@ TEST_F(Papers, AsRigidAsPossibleIsTheSameForEveryStiffness) {
     body.material.young_modulus *= factor;
     support::HeldBarPlant plant(body);
     DifferenceJacobian provider({}, body, 0, [](const elasticity::Body& copy) {
-      return std::make_unique<elasticity::AsRigidAsPossible>(copy);
+      return std::make_unique<AsRigidAsPossible>(copy);
     });
     // Here a tick lasts fifty of the loop's, in which the copies keep up with the hand.
     class KeepsUp final : public control::JacobianProvider {

@@ -8,6 +8,7 @@
 namespace palpate::elasticity {
 namespace {
 
+using baselines::AsRigidAsPossible;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 

@@ -134,7 +134,7 @@ struct Watcher {
 
 /// Background for separate models.
 inline std::unique_ptr<elasticity::DeformationModel> carrier(const elasticity::Body& body) {
-  return std::make_unique<elasticity::AsRigidAsPossible>(body);
+  return std::make_unique<baselines::AsRigidAsPossible>(body);
 }
 
 }  // namespace palpate::support
