@@ -15,6 +15,7 @@ namespace palpate::config {
 // configuration ends with kExitCode (78, rt/config/node.hpp). docs/exit_codes.md has the table.
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitError = 1;         // an error, or a criterion that is not met
+inline constexpr int kExitHung = 5;          // a plug-in did not return from a call in the loop
 inline constexpr int kExitUsage = 64;        // EX_USAGE: wrong command line
 inline constexpr int kExitData = 65;         // EX_DATAERR: the input is read, and is unusable
 inline constexpr int kExitUnavailable = 69;  // EX_UNAVAILABLE: nothing answers or is heard

@@ -182,6 +182,8 @@ OptionValue Node::value(const Option& option) const {
     case Option::Kind::kChoice:
       return given ? choice(key, option.choices)
                    : choice(key, option.choices, std::get<std::string>(option.otherwise));
+    case Option::Kind::kFile:
+      return given || has(key.name) ? path(key) : std::get<std::string>(option.otherwise);
     case Option::Kind::kNumbers:
       break;
   }

@@ -21,14 +21,14 @@ using OptionValue = std::variant<double, int, bool, std::string, std::vector<dou
 /// Configuration key of a component, independent of what reads it: the configuration reader, the
 /// reference, the JSON Schema and plug-ins all use this declaration.
 struct Option {
-  enum class Kind { kNumber, kInteger, kFlag, kChoice, kNumbers };
+  enum class Kind { kNumber, kInteger, kFlag, kChoice, kNumbers, kFile };
 
   Kind kind = Kind::kNumber;
   std::string key;
   std::string unit;         // of the configured value; "": dimensionless
   std::string description;  // noun, then effect
   Range range;              // of each number
-  int count = 1;            // length, for kNumbers
+  int count = 1;            // length, for kNumbers; -1: any
   std::vector<std::string> choices;
   OptionValue otherwise;  // value of an absent key, in `unit`
   bool required = false;  // an absent key is an error
@@ -146,6 +146,43 @@ class OptionTable {
                [member](Options& options, const OptionValue& value) {
                  const auto& numbers = std::get<std::vector<double>>(value);
                  std::invoke(member, options) = Eigen::Vector3d(numbers.data());
+               });
+  }
+
+  /// `count`: length of the list; -1: any.
+  template <class Member>
+  OptionTable& numbers(std::string key, std::string unit, std::string description, Range range,
+                       int count, Member member) {
+    const std::vector<double> otherwise = std::invoke(member, defaults_);
+    return add({Option::Kind::kNumbers,
+                std::move(key),
+                std::move(unit),
+                std::move(description),
+                range,
+                count,
+                {},
+                otherwise,
+                false},
+               [member](Options& options, const OptionValue& value) {
+                 std::invoke(member, options) = std::get<std::vector<double>>(value);
+               });
+  }
+
+  /// Path of a file, relative to the configuration that names it.
+  template <class Member>
+  OptionTable& file(std::string key, std::string description, Member member) {
+    const std::string otherwise = std::invoke(member, defaults_);
+    return add({Option::Kind::kFile,
+                std::move(key),
+                "",
+                std::move(description),
+                {},
+                1,
+                {},
+                otherwise,
+                false},
+               [member](Options& options, const OptionValue& value) {
+                 std::invoke(member, options) = std::get<std::string>(value);
                });
   }
 

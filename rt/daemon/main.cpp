@@ -19,6 +19,7 @@
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "rt/daemon/plugin_watchdog.hpp"
 #include "rt/daemon/service_manager.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
@@ -28,6 +29,7 @@ using palpate::bus::wall_clock_us;
 using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
+using palpate::daemon::PluginWatchdog;
 
 /// Makes spdlog write from a separate thread and drop lines if its queue is full, so that a full
 /// disk or a blocked journal never delays the daemon. Block signals before this call.
@@ -91,13 +93,13 @@ void write_record(Daemon& daemon) {
 
 /// Supervises the loop until a signal requests the end or the loop has ended. `cycles`: count of
 /// the loop.
-void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop,
+void wait_for_end(const sigset_t& signals, Daemon& daemon, const PluginWatchdog& watchdog,
                   const std::atomic<std::int64_t>& cycles) {
   using palpate::daemon::LoopWatch;
   const timespec interval{0, 50'000'000};
   palpate::daemon::ServiceManager manager;
   LoopWatch watch(manager);
-  while (!stop) {
+  while (watchdog.hung() == nullptr) {
     const int signal = sigtimedwait(&signals, nullptr, &interval);
     log_events(daemon, watch);
     write_record(daemon);
@@ -184,12 +186,29 @@ struct Options {
 
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
-void run_real_time(Daemon& daemon, const sigset_t& signals) {
+/// The loop's thread never returns from a plug-in: the process ends without it.
+void end_if_hung(const PluginWatchdog& watchdog) {
+  if (watchdog.hung() == nullptr) return;
+  spdlog::error("{} has not returned from a call in the loop: zero command, palpated ends",
+                watchdog.hung());
+  std::_Exit(palpate::daemon::end_log(palpate::config::kExitHung));
+}
+
+/// `has_plugins`: whether a watchdog is needed.
+void run_real_time(Daemon& daemon, const sigset_t& signals, bool has_plugins) {
   constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate guarantees half of it
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> cycles{0};
+  PluginWatchdog::Options options;
+  options.enabled = has_plugins;
+  if (daemon.settings().loop.fifo_priority > 0)
+    options.fifo_priority = daemon.settings().loop.fifo_priority + 1;
+  PluginWatchdog watchdog(options, cycles, [&daemon](const char*) {
+    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+  });
   std::thread thread([&] {
     name_this_thread("palpated-loop");
+    const auto watched = watchdog.watch_this_thread();
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
     const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
     if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
@@ -206,24 +225,33 @@ void run_real_time(Daemon& daemon, const sigset_t& signals) {
     });
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
   });
-  wait_for_end(signals, daemon, stop, cycles);
+  wait_for_end(signals, daemon, watchdog, cycles);
+  end_if_hung(watchdog);
   stop = true;
   thread.join();
 }
 
 void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
-                 palpate::bus::MessageBus& control, const sigset_t& signals) {
+                 palpate::bus::MessageBus& control, const sigset_t& signals, bool has_plugins) {
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> rounds{0};  // continues without ticks
+  PluginWatchdog::Options options;
+  options.enabled = has_plugins;
+  options.patience = 1;  // a cycle may take longer than in real time
+  PluginWatchdog watchdog(options, rounds, [&daemon](const char*) {
+    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+  });
   std::thread thread([&] {
     name_this_thread("palpated-loop");
+    const auto watched = watchdog.watch_this_thread();
     while (!stop) {
       if (control.receive(kLookAtStop)) clock.run_pending(daemon);
       rounds.fetch_add(1, std::memory_order_relaxed);
     }
   });
-  wait_for_end(signals, daemon, stop, rounds);
+  wait_for_end(signals, daemon, watchdog, rounds);
+  end_if_hung(watchdog);
   stop = true;
   thread.join();
 }
@@ -272,7 +300,9 @@ int run(const Options& options, const sigset_t& signals) {
                extent_of(daemon.pipeline().object()));
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
   const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
-  options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
+  const bool has_plugins = root.has("plugins");
+  options.stepped ? run_stepped(daemon, clock, *control, signals, has_plugins)
+                  : run_real_time(daemon, signals, has_plugins);
   write_record(daemon);
   control->stop();
   if (options.stepped) warn_of_losses(daemon);
@@ -316,6 +346,9 @@ int main(int argc, char** argv) {
   if (const auto code = palpate::config::parse(
           app, argc, argv,
           {{{0, "ended by a signal, or the configuration is valid (--check)"},
+            {palpate::config::kExitHung,
+             "a plug-in did not return from a call in the loop; the robot has been sent a zero "
+             "command"},
             {78,
              "wrong configuration; the message names file, line, key, value and allowed range"}}}))
     return *code;

@@ -153,6 +153,7 @@ void ComponentSet::build_steering(const config::Node& root) {
 
 void ComponentSet::warm_up() {
   if (!model) return;
+  const plugin::SetupScope scope;
   model->prepare();
   estimator->activate(*model);
   while (elasticity::Refactorisation* job = model->wanted_refactorisation()) {
@@ -161,6 +162,13 @@ void ComponentSet::warm_up() {
     if (model->step(context.period).status != elasticity::StepStatus::kFailed) break;
   }
   if (feature) feature->evaluate(model->positions(), feature_state.value);
+  check_warm_up(scope);
+}
+
+void ComponentSet::check_warm_up(const plugin::SetupScope& scope) {
+  if (scope.failure().empty()) return;
+  new ComponentSet(std::move(*this));  // is never deleted
+  throw config::Error("warm-up: " + scope.failure());
 }
 
 void ComponentSet::adopt(ComponentSet& other, const Changes& changes,

@@ -7,6 +7,7 @@
 
 #include "core/estimation/shape_jump.hpp"
 #include "rt/pipeline/life_cycle.hpp"
+#include "rt/plugin/supervision.hpp"
 #include "rt/registry/fallbacks.hpp"
 #include "rt/registry/registry.hpp"
 
@@ -83,7 +84,10 @@ struct ComponentSet {
   /// Sets the grasps held as required by the estimator, factors for them and evaluates every
   /// component once, so that no operation is executed for the first time in the loop. Applies to
   /// the components that were built.
+  /// Throws config::Error if a plug-in throws or does not return; then all components are kept for
+  /// ever, since an abandoned thread may use them.
   void warm_up();
+  void check_warm_up(const plugin::SetupScope& scope);
 
   /// Takes from `other` the components not selected by `changes`, and the state of the selected
   /// ones. `successors`: by sensor model, index of the one in `other` that it replaces, or -1.
@@ -110,7 +114,7 @@ struct ComponentSet {
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
   /// Null: the feature is evaluated on the model.
-  std::unique_ptr<published_control::MarkerObserver> markers;
+  std::unique_ptr<control::MarkerObserver> markers;
   registry::MovingArms moving = registry::MovingArms::kFirst;
   bool commands_joints = false;  // of the first arm, instead of its hand's twist
 

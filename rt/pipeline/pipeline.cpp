@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "rt/plugin/plugin_guards.hpp"
+
 namespace palpate::pipeline {
 
 void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& second) noexcept {
@@ -77,8 +79,9 @@ void Pipeline::estimate(double dt) noexcept {
   frames::update_observation(arms_[0].measurements(), inputs.observation);
   const auto is_sound = [this] {
     ComponentSet& now = *components_;
-    now.estimation_condition.apply(
-        now.estimator->update(estimation_inputs_, *now.model, now.estimate));
+    UpdateResult result = now.estimator->update(estimation_inputs_, *now.model, now.estimate);
+    if (const char* fault = plugin::fault_of(*now.model)) result = {Status::kFault, fault};
+    now.estimation_condition.apply(result);
     return now.estimation_condition.state != LifeCycle::kFaulted;
   };
   if (!is_sound() &&

@@ -162,6 +162,7 @@ void Replacement::prepare_transfer(const registry::Object& from) {
 }
 
 void Replacement::warm_up(const ShapeSnapshot& snapshot) {
+  const plugin::SetupScope scope;
   elasticity::DeformationModel& model = *components_->model;
   model.prepare();
   for (int round = 0; round < kWarmUpRounds; ++round) {
@@ -175,6 +176,7 @@ void Replacement::warm_up(const ShapeSnapshot& snapshot) {
   }
   if (components_->feature)
     components_->feature->evaluate(model.positions(), components_->feature_state.value);
+  components_->check_warm_up(scope);
 }
 
 bool Replacement::give_shape(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities,

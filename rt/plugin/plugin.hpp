@@ -1,17 +1,20 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
+#include "rt/config/option.hpp"
 #include "rt/plugin/plugin_components.hpp"
-#include "rt/plugin/plugin_parameters.hpp"
 
 namespace palpate::plugin {
 
 /// Incremented whenever a header included by plug-ins changes incompatibly.
-inline constexpr int kPluginInterface = 1;
+inline constexpr int kPluginInterface = 2;
 
 /// Properties that must match between the host and a library, because C++ classes cross the
 /// boundary.
@@ -24,6 +27,7 @@ struct PluginAbi {
   std::int32_t eigen;                                            // version of Eigen
   std::int32_t alignment;                                        // of Eigen's types
   std::int32_t signals, contacts, inputs, outputs, cell, model;  // sizes of structures
+  std::int32_t measurements, estimate, sensitivity, option;      // sizes of structures
   char version[16];                                              // of palpate
 };
 
@@ -38,9 +42,13 @@ inline constexpr PluginAbi kPluginAbi = {
     sizeof(sensing::Signals),
     sizeof(sensing::ContactSet),
     sizeof(control::LawInputs),
-    sizeof(control::LawOutput),
+    sizeof(PluginLawOutput),
     sizeof(PluginCell),
     sizeof(elasticity::Body),
+    sizeof(estimation::EstimationInputs),
+    sizeof(estimation::Estimate),
+    sizeof(elasticity::Sensitivity),
+    sizeof(config::Option),
     PALPATE_VERSION};
 
 /// Kind of sensor of a sensor model: a fallback must be of the same kind, and only wrist models may
@@ -51,25 +59,60 @@ enum class SensorKind { kWrist, kFinger, kOther };
 /// may throw any std::exception with an error message.
 template <class Component>
 struct PluginEntry {
-  std::string name;  // a-z, 0-9 and _, at most 31 characters
-  std::vector<Parameter> parameters;
-  std::function<std::unique_ptr<Component>(const Parameters&, const PluginCell&)> make;
+  /// Guarded by the host; or of the interface of the built-in components, which is called directly
+  /// and must keep its promises: an exception of it ends the daemon.
+  using Made = std::variant<std::unique_ptr<Component>, std::unique_ptr<typename Component::Core>>;
+
+  std::string name;                     // a-z, 0-9 and _, at most 31 characters
+  std::vector<config::Option> options;  // a key `section.key` lies in a mapping of the component
+  /// From a value for each option.
+  std::function<Made(const std::vector<config::OptionValue>&, const PluginCell&)> make;
   SensorKind sensor = SensorKind::kOther;  // of sensor models
+  std::string library = {};                // set by the host
+};
+
+/// Components of one slot.
+template <class Component>
+class PluginList {
+ public:
+  /// `table`: declares the keys; `make(options, cell)` returns a std::unique_ptr of the component.
+  template <class Options, class Make>
+  void add(std::string name, config::OptionTable<Options> table, Make make,
+           SensorKind sensor = SensorKind::kOther) {
+    PluginEntry<Component> entry;
+    entry.name = std::move(name);
+    for (const auto& declared : table.entries()) entry.options.push_back(declared.option);
+    entry.make = [table = std::move(table), make = std::move(make)](
+                     const std::vector<config::OptionValue>& values, const PluginCell& cell) {
+      return typename PluginEntry<Component>::Made(make(table.make(values), cell));
+    };
+    entry.sensor = sensor;
+    entries_.push_back(std::move(entry));
+  }
+
+  const std::vector<PluginEntry<Component>>& entries() const { return entries_; }
+  std::vector<PluginEntry<Component>>& entries() { return entries_; }
+
+ private:
+  std::vector<PluginEntry<Component>> entries_;
 };
 
 /// Receives the components of a library; a name must be unique in its slot and differ from those of
 /// built-in components.
 struct PluginRegistrar {
-  std::vector<PluginEntry<PluginSensorModel>> sensor_models;            // slot sensing
-  std::vector<PluginEntry<PluginForceTransformer>> force_transformers;  // slot contact
-  std::vector<PluginEntry<PluginJacobianProvider>> jacobian_providers;  // control, key provider
-  std::vector<PluginEntry<PluginControlLaw>> control_laws;              // control, key law
+  PluginList<PluginSensorModel> sensor_models;            // slot sensing
+  PluginList<PluginForceTransformer> force_transformers;  // slot contact
+  PluginList<PluginEstimator> estimators;                 // slot estimation
+  PluginList<PluginDeformationModel> deformation_models;  // slot deformation
+  PluginList<PluginFeature> features;                     // slot feature
+  PluginList<PluginJacobianProvider> jacobian_providers;  // slot control, key provider
+  PluginList<PluginControlLaw> control_laws;              // slot control, key law
 };
 
 }  // namespace palpate::plugin
 
 /// Use once in a library, followed by a body that fills the registrar:
-///   PALPATE_PLUGIN(registrar) { registrar.control_laws.push_back({"mine", {...}, make_mine}); }
+///   PALPATE_PLUGIN(registrar) { registrar.control_laws.add("mine", Mine::table(), make_mine); }
 /// If the body throws, the daemon does not start and reports the exception.
 #define PALPATE_PLUGIN(registrar)                                                           \
   extern "C" {                                                                              \

@@ -30,5 +30,6 @@ install(DIRECTORY ${CMAKE_SOURCE_DIR}/core DESTINATION include/palpate COMPONENT
   FILES_MATCHING PATTERN "*.hpp")
 install(FILES ${CMAKE_SOURCE_DIR}/rt/plugin/plugin.hpp
   ${CMAKE_SOURCE_DIR}/rt/plugin/plugin_components.hpp
-  ${CMAKE_SOURCE_DIR}/rt/plugin/plugin_parameters.hpp
   DESTINATION include/palpate/rt/plugin COMPONENT plugin)
+install(FILES ${CMAKE_SOURCE_DIR}/rt/config/option.hpp
+  DESTINATION include/palpate/rt/config COMPONENT plugin)

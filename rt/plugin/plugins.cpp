@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <set>
 
+#include "rt/config/installation.hpp"
 #include "rt/plugin/built_in_names.hpp"
+#include "rt/plugin/supervision.hpp"
 
 namespace palpate::plugin {
 namespace {
@@ -51,9 +53,13 @@ std::string difference(const PluginAbi& theirs) {
   compare("size of sensing::Signals", theirs.signals, ours.signals);
   compare("size of sensing::ContactSet", theirs.contacts, ours.contacts);
   compare("size of control::LawInputs", theirs.inputs, ours.inputs);
-  compare("size of control::LawOutput", theirs.outputs, ours.outputs);
+  compare("size of PluginLawOutput", theirs.outputs, ours.outputs);
   compare("size of PluginCell", theirs.cell, ours.cell);
   compare("size of elasticity::Body", theirs.model, ours.model);
+  compare("size of estimation::EstimationInputs", theirs.measurements, ours.measurements);
+  compare("size of estimation::Estimate", theirs.estimate, ours.estimate);
+  compare("size of elasticity::Sensitivity", theirs.sensitivity, ours.sensitivity);
+  compare("size of config::Option", theirs.option, ours.option);
   return text;
 }
 
@@ -66,45 +72,47 @@ bool is_name(const std::string& text) {
          std::all_of(text.begin(), text.end(), is_word);
 }
 
-std::string complaint(const Parameter& parameter) {
+/// A name, or two of them: `section.key`.
+bool is_key(const std::string& text) {
+  const auto dot = text.find('.');
+  return dot == std::string::npos ? is_name(text)
+                                  : is_name(text.substr(0, dot)) && is_name(text.substr(dot + 1));
+}
+
+std::string complaint(const config::Option& option) {
   static const std::set<std::string> kTaken = {"arm",      "command", "component", "fallback",
                                                "finger",   "law",     "moves",     "name",
                                                "provider", "sources"};
-  const std::string key = "key '" + parameter.key + "' ";
-  if (!is_name(parameter.key)) return key + "is no name of a-z, 0-9 and _, at most 31 characters";
-  if (kTaken.count(parameter.key) != 0) return key + "is palpate's own";
-  const auto within = [&parameter](double value) {
-    return value >= parameter.lower && value <= parameter.upper;
+  const std::string key = "key '" + option.key + "' ";
+  if (!is_key(option.key)) return key + "is no name of a-z, 0-9 and _, at most 31 characters";
+  if (kTaken.count(option.key) != 0) return key + "is palpate's own";
+  const auto within = [&option](double value) {
+    return value >= option.range.lower && value <= option.range.upper;
   };
   bool good = true;
-  switch (parameter.kind) {
-    case Parameter::Kind::kNumber:
-      good = std::holds_alternative<double>(parameter.otherwise) &&
-             (parameter.required || within(std::get<double>(parameter.otherwise)));
+  switch (option.kind) {
+    case config::Option::Kind::kNumber:
+      good = within(std::get<double>(option.otherwise));
       break;
-    case Parameter::Kind::kInteger:
-      good = std::holds_alternative<int>(parameter.otherwise) &&
-             (parameter.required || within(std::get<int>(parameter.otherwise)));
+    case config::Option::Kind::kInteger:
+      good = within(std::get<int>(option.otherwise));
       break;
-    case Parameter::Kind::kFlag:
-      good = std::holds_alternative<bool>(parameter.otherwise);
-      break;
-    case Parameter::Kind::kChoice: {
-      const auto* text = std::get_if<std::string>(&parameter.otherwise);
-      const auto& allowed = parameter.allowed;
-      good =
-          text != nullptr && !allowed.empty() &&
-          (parameter.required || std::find(allowed.begin(), allowed.end(), *text) != allowed.end());
+    case config::Option::Kind::kChoice: {
+      const auto& choices = option.choices;
+      good = std::find(choices.begin(), choices.end(), std::get<std::string>(option.otherwise)) !=
+             choices.end();
       break;
     }
-    case Parameter::Kind::kNumbers: {
-      const auto* list = std::get_if<std::vector<double>>(&parameter.otherwise);
-      good = list != nullptr && static_cast<int>(list->size()) == parameter.count &&
-             (parameter.required || std::all_of(list->begin(), list->end(), within));
+    case config::Option::Kind::kNumbers: {
+      const auto& list = std::get<std::vector<double>>(option.otherwise);
+      good = std::all_of(list.begin(), list.end(), within);
       break;
     }
+    case config::Option::Kind::kFlag:
+    case config::Option::Kind::kFile:
+      break;
   }
-  return good ? "" : key + "has a default that it does not allow";
+  return good || option.required ? "" : key + "has a default that it does not allow";
 }
 
 /// "" or the error in one of `entries`, whose names must differ from those of `before`.
@@ -122,20 +130,27 @@ std::string complaint(const char* slot, const std::vector<PluginEntry<Component>
     if (!names.insert(entry.name).second) return which + "is there twice";
     if (!entry.make) return which + "has no function that makes it";
     std::set<std::string> keys;
-    for (const Parameter& parameter : entry.parameters) {
-      const std::string wrong = complaint(parameter);
+    for (const config::Option& option : entry.options) {
+      const std::string wrong = complaint(option);
       if (!wrong.empty()) return which + wrong;
-      if (!keys.insert(parameter.key).second)
-        return which + "has the key '" + parameter.key + "' twice";
+      if (!keys.insert(option.key).second) return which + "has the key '" + option.key + "' twice";
     }
   }
   return "";
 }
 
-template <class Entry>
-void append(std::vector<Entry>& into, std::vector<Entry>& from) {
-  into.insert(into.end(), std::make_move_iterator(from.begin()),
-              std::make_move_iterator(from.end()));
+/// The library's file, for a path as configured: a name without a folder may be one of palpate's
+/// own libraries.
+std::string find_library(const config::Node& item) {
+  const config::Key key("library", "",
+                        "shared library, relative to this file, or the name of one of palpate's: "
+                        "palpate-baselines.so");
+  const std::string path = item.path(key), text = item.text(key);
+  std::error_code ignored;
+  if (text.find('/') != std::string::npos || std::filesystem::is_regular_file(path, ignored))
+    return path;
+  const std::filesystem::path own = config::companion(text);
+  return std::filesystem::is_regular_file(own, ignored) ? own.string() : path;
 }
 
 }  // namespace
@@ -144,7 +159,7 @@ std::shared_ptr<const Plugins> Plugins::load(const config::Node& root) {
   auto plugins = std::make_shared<Plugins>();
   for (const config::Node& item :
        root.list({"plugins", "", "libraries with components of your own (tools/examples)"}))
-    plugins->add(item.path({"library", "", "shared library, relative to this file"}), item);
+    plugins->add(find_library(item), item);
   return plugins;
 }
 
@@ -167,29 +182,37 @@ void Plugins::add(const std::string& path, const config::Node& item) {
                "; see PALPATE_PLUGIN in rt/plugin/plugin.hpp");
   const std::string differs = difference(*abi);
   if (!differs.empty())
-    refuse(item, path, "was built for another palpate (" + differs + "); build it anew");
+    refuse(item, path, "was built for another palpate (" + differs + "); build it again");
 
-  PluginRegistrar incoming;
+  const auto incoming = std::make_shared<PluginRegistrar>();
   try {
-    enter(incoming);
+    within_deadline("its registration", [enter, incoming] { enter(*incoming); });
+  } catch (const Hung& hung) {
+    refuse(item, path, hung.what());
   } catch (const std::exception& error) {
     refuse(item, path, std::string("its registration failed: ") + error.what());
   } catch (...) {
     refuse(item, path, "its registration threw something that is no std::exception");
   }
-  PluginRegistrar& all = components_;
-  for (const std::string& wrong :
-       {complaint("sensor model", incoming.sensor_models, kSensorModels, all.sensor_models),
-        complaint("force transformer", incoming.force_transformers, kForceTransformers,
-                  all.force_transformers),
-        complaint("Jacobian provider", incoming.jacobian_providers, kJacobianProviders,
-                  all.jacobian_providers),
-        complaint("control law", incoming.control_laws, kControlLaws, all.control_laws)})
+  const auto take = [&](const char* slot, const auto& built_in, auto& from, auto& all) {
+    const std::string wrong = complaint(slot, from.entries(), built_in, all.entries());
     if (!wrong.empty()) refuse(item, path, wrong);
-  append(all.sensor_models, incoming.sensor_models);
-  append(all.force_transformers, incoming.force_transformers);
-  append(all.jacobian_providers, incoming.jacobian_providers);
-  append(all.control_laws, incoming.control_laws);
+    for (auto& entry : from.entries()) {
+      entry.library = std::filesystem::path(path).filename().string();
+      all.entries().push_back(std::move(entry));
+    }
+  };
+  PluginRegistrar& all = components_;
+  take("sensor model", kSensorModels, incoming->sensor_models, all.sensor_models);
+  take("force transformer", kForceTransformers, incoming->force_transformers,
+       all.force_transformers);
+  take("estimator", kEstimators, incoming->estimators, all.estimators);
+  take("deformation model", kDeformationModels, incoming->deformation_models,
+       all.deformation_models);
+  take("feature", kFeatures, incoming->features, all.features);
+  take("Jacobian provider", kJacobianProviders, incoming->jacobian_providers,
+       all.jacobian_providers);
+  take("control law", kControlLaws, incoming->control_laws, all.control_laws);
 }
 
 }  // namespace palpate::plugin

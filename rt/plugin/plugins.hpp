@@ -12,13 +12,14 @@ namespace palpate::plugin {
 /// Components of the user's libraries in the list `plugins` of the configuration:
 ///   plugins:
 ///     - library: path/libmine.so   # relative to the configuration file
+///     - library: palpate-baselines.so   # of palpate itself: next to the program or in lib/palpate
 /// A library stays loaded until the process ends, because its components may live as long.
 class Plugins {
  public:
   /// Loads the libraries and registers their components. Throws config::Error with file and key for
   /// a library that cannot be loaded, is not a plug-in, was built for another version of palpate,
-  /// or whose registration throws or contains an invalid or repeated name of a component or key.
-  /// Without the key there are no components.
+  /// or whose registration throws, takes more than 5 s, or contains an invalid or repeated name of
+  /// a component or key. Without the key there are no components.
   static std::shared_ptr<const Plugins> load(const config::Node& root);
 
   const PluginRegistrar& components() const noexcept { return components_; }
@@ -30,18 +31,18 @@ class Plugins {
 };
 
 /// Built-in names followed by those of plug-ins.
-template <class Component>
-std::vector<std::string> with_plugins(std::vector<std::string> names,
-                                      const std::vector<PluginEntry<Component>>& entries) {
-  for (const PluginEntry<Component>& entry : entries) names.push_back(entry.name);
+template <class Names, class Component>
+std::vector<std::string> with_plugins(const Names& built_in, const PluginList<Component>& list) {
+  std::vector<std::string> names(built_in.begin(), built_in.end());
+  for (const PluginEntry<Component>& entry : list.entries()) names.push_back(entry.name);
   return names;
 }
 
 /// Entry of that name; nullptr if no plug-in has it.
 template <class Component>
-const PluginEntry<Component>* find_plugin(const std::vector<PluginEntry<Component>>& entries,
+const PluginEntry<Component>* find_plugin(const PluginList<Component>& list,
                                           const std::string& name) {
-  for (const PluginEntry<Component>& entry : entries)
+  for (const PluginEntry<Component>& entry : list.entries())
     if (entry.name == name) return &entry;
   return nullptr;
 }

@@ -4,7 +4,6 @@
 #include "core/math/constants.hpp"
 #include "rt/registry/box.hpp"
 #include "rt/registry/plugin_registry.hpp"
-#include "rt/registry/published_control_registry.hpp"
 #include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
@@ -12,10 +11,10 @@ namespace palpate::registry {
 namespace {
 
 using config::OptionTable;
+using control::MarkerObserver;
 using control::QuadraticProgramLaw;
 using control::TwistLawOptions;
 using math::kDegree;
-using published_control::MarkerObserver;
 
 constexpr config::Range kAnywhere{-100, 100};  // m
 
@@ -215,11 +214,6 @@ const Slot<control::JacobianProvider, shape::Feature&>& providers() {
     known.add("fem", "Jacobian from the mechanics of the object", make_fem_jacobian)
         .add("kinematic", "Jacobian of a feature that is rigid with the hand",
              make_kinematic_jacobian);
-    for (const std::string& name : published_providers())
-      known.add(name, "Published method, for comparison",
-                [name](const config::Node& node, const Context& context, shape::Feature& feature) {
-                  return make_published_provider(name, node, context, feature);
-                });
     return known;
   }();
   return slot;
@@ -261,7 +255,7 @@ std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::
       providers().name(node, {"provider", "", "Method that provides the feature's Jacobian"},
                        plugin::with_plugins(std::vector<std::string>(), plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context);
+    return make_plugin(*entry, node, context, feature);
   return providers().make(name, "provider", node, context, feature);
 }
 

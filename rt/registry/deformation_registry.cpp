@@ -1,4 +1,3 @@
-#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
@@ -6,6 +5,7 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/spin_team.hpp"
+#include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
@@ -116,12 +116,6 @@ OptionTable<elasticity::ShapeMatchingOptions> shape_matching_options() {
                &Options::max_substeps);
 }
 
-OptionTable<elasticity::AsRigidAsPossibleOptions> as_rigid_as_possible_options() {
-  using Options = elasticity::AsRigidAsPossibleOptions;
-  return iterations<Options>("Largest number of pairs of a local and a global step", 100)
-      .part(accuracy<Options>());
-}
-
 /// Creates a model from body and options.
 template <class Made>
 auto on_body() {
@@ -144,17 +138,18 @@ const Slot<elasticity::DeformationModel>& models() {
           .add("mass_spring", "Masses and springs, for comparison", mass_spring_options(),
                on_body<elasticity::MassSpringModel>())
           .add("shape_matching", "Shape matching, for comparison", shape_matching_options(),
-               on_body<elasticity::ShapeMatchingModel>())
-          .add("as_rigid_as_possible", "As-rigid-as-possible deformation, for comparison",
-               as_rigid_as_possible_options(), on_body<elasticity::AsRigidAsPossible>());
+               on_body<elasticity::ShapeMatchingModel>());
   return slot;
 }
 
 }  // namespace
 
 Model make_deformation_model(const config::Node& node, const Context& context) {
-  const std::string name =
-      models().name(node, {"component", "", "Model of the object's mechanics"});
+  const auto& plugins = plugins_of(context).deformation_models;
+  const std::string name = models().name(node, {"component", "", "Model of the object's mechanics"},
+                                         plugin::with_plugins(std::vector<std::string>(), plugins));
+  if (const auto* entry = plugin::find_plugin(plugins, name))
+    return make_plugin(*entry, node, context);
   return models().make(name, "", node, context);
 }
 

@@ -3,7 +3,7 @@
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
 #include "core/estimation/wrench_driven.hpp"
-#include "rt/registry/published_sensing_registry.hpp"
+#include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
@@ -227,11 +227,6 @@ const Slot<estimation::Estimator>& estimators() {
     known.add("pose_wrench_filter",
               "Shape, stiffness and contacts from pose, wrench and observed surface points",
               pose_wrench_filter_options(), on_surface<PoseWrenchFilter>());
-    for (const std::string& name : published_sensing_names())
-      known.add(name, "Published method, for comparison",
-                [name](const config::Node& node, const Context& context) {
-                  return make_published_sensing(name, node, context);
-                });
     return known;
   }();
   return slot;
@@ -241,8 +236,12 @@ const Slot<estimation::Estimator>& estimators() {
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
+  const auto& plugins = plugins_of(context).estimators;
   const std::string name =
-      estimators().name(node, {"component", "", "Estimator that drives the shape"});
+      estimators().name(node, {"component", "", "Estimator that drives the shape"},
+                        plugin::with_plugins(std::vector<std::string>(), plugins));
+  if (const auto* entry = plugin::find_plugin(plugins, name))
+    return make_plugin(*entry, node, context);
   return estimators().make(name, "", node, context);
 }
 

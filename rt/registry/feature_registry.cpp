@@ -3,6 +3,7 @@
 #include "core/shape/fourier_contour_feature.hpp"
 #include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
+#include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
@@ -129,7 +130,12 @@ const Slot<shape::Feature>& features() {
 }  // namespace
 
 std::unique_ptr<shape::Feature> make_feature(const Node& node, const Context& context) {
-  const std::string name = features().name(node, {"component", "", "Kind of the feature"});
+  const auto& plugins = plugins_of(context).features;
+  const std::string name =
+      features().name(node, {"component", "", "Kind of the feature"},
+                      plugin::with_plugins(std::vector<std::string>(), plugins));
+  if (const auto* entry = plugin::find_plugin(plugins, name))
+    return make_plugin(*entry, node, context);
   return features().make(name, "", node, context);
 }
 

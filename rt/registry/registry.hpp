@@ -5,9 +5,9 @@
 
 #include "core/contact/force_transformer.hpp"
 #include "core/control/control_law.hpp"
+#include "core/control/marker_observer.hpp"
 #include "core/control/safety_gate.hpp"
 #include "core/estimation/estimator.hpp"
-#include "core/published_control/marker_observer.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/shape/feature.hpp"
 #include "rt/config/node.hpp"
@@ -65,8 +65,9 @@ std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::
                                                                   const Context& context,
                                                                   shape::Feature& feature);
 /// Key `vision` of the controller; null without vision.
-std::unique_ptr<published_control::MarkerObserver> make_marker_observer(
-    const config::Node& node, const Context& context, const shape::Feature& feature);
+std::unique_ptr<control::MarkerObserver> make_marker_observer(const config::Node& node,
+                                                              const Context& context,
+                                                              const shape::Feature& feature);
 /// Configured for `feature`.
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,

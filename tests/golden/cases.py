@@ -46,6 +46,7 @@ KINECT = "sensors.camera={rate: 30, depth: {noise: 1, disparity_step: 0.125, edg
 CAMERA = "sensors.camera={rate: 30, depth: {noise: 0.15, disparity_step: 0.02}}"
 MARKERS = ("markers.noise=0.001", "markers.delay=0.06", "markers.drop_out=0.1")
 RIGID = "deformation={component: as_rigid_as_possible}"
+BASELINES = "plugins=[{library: palpate-baselines.so}]"
 LIFTED, PULLED = (0.25, 0.03, 0.10), (0.265, 0.03, 0.06)
 
 CASES = {
@@ -72,18 +73,19 @@ CASES = {
         "a bar between two arms, both steered, filter", daemon=(FILTER,), target=LIFTED),
     "control_broyden": Case("bar_long_soft_control_markers", "bar_long_soft", 5,
         "published controller [44], probes and markers", target=LIFTED, simulator=MARKERS,
-        daemon=(*STEER, "control.gain=3.2", "control.provider=broyden", "control.vision=markers")),
+        daemon=(*STEER, BASELINES, "control.gain=3.2", "control.provider=broyden", "control.vision=markers")),
     "control_diminishing": Case("bar_long_soft_control_markers", "bar_long_soft", 4,
         "published controller [43], markers", target=LIFTED, simulator=MARKERS,
-        daemon=(*STEER, "control.gain=3.5", "control.provider=diminishing_rigidity", "control.vision=markers")),
+        daemon=(*STEER, BASELINES, "control.gain=3.5", "control.provider=diminishing_rigidity",
+                "control.vision=markers")),
     "sensing_cloud": Case("bar_long_soft_six_poses", "bar_long_soft", 4,
         "published sensing [33], finite elements drawn to a noisy cloud", simulator=(EYE, KINECT),
         daemon=("estimation={component: cloud_driven_fem, hand: true, spring_stiffness: 790.5, "
-                "spring_damping: 12.3, observation_reach: 0.0168}", "deformation={component: corotational_dynamic}")),
+                "spring_damping: 12.3, observation_reach: 0.0168}", "deformation={component: corotational_dynamic}", BASELINES)),
     "sensing_matching": Case("bar_long_soft_six_poses", "bar_long_soft", 4,
         "published sensing [34], shape matching", simulator=(EYE, KINECT),
-        daemon=("estimation={component: shape_matching_fit, regions: 5, iterations: 2, rigidity: 0.127}", RIGID)),
+        daemon=("estimation={component: shape_matching_fit, regions: 5, iterations: 2, rigidity: 0.127}", RIGID, BASELINES)),
     "sensing_learned": Case("block_soft_six_poses", "block_soft", 4,
         "published sensing [28], a network read from a file", simulator=(EYE, KINECT),
-        daemon=("estimation={component: learned_shape, model: {block_soft_position.yaml}}", RIGID)),
+        daemon=("estimation={component: learned_shape, model: {block_soft_position.yaml}}", RIGID, BASELINES)),
 }  # fmt: skip

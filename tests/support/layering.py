@@ -24,18 +24,15 @@ ALLOWED = {
     "core/shape": "core/math core/mesh",
     "core/kinematics": "core/math",
     "core/control": "core/math core/elasticity core/contact core/shape core/kinematics",
-    "core/published_control": "core/math core/mesh core/elasticity core/shape core/control",
-    "core/published_sensing": "core/math core/mesh core/elasticity core/contact core/estimation",
     "rt/loop": "core/math",
     "rt/bus": "rt/loop",
     "rt/config": "core/math core/mesh rt/bus",
     "rt/inference": "core/sensing rt/loop rt/config",
-    "rt/plugin": "core/mesh core/sensing core/contact core/control rt/config",
+    "rt/plugin": "core/mesh core/sensing core/contact core/estimation core/control rt/loop rt/config",
     "rt/registry": "core/math core/mesh core/elasticity core/sensing core/contact core/estimation core/frames "
-                   "core/shape core/kinematics core/control core/published_control core/published_sensing rt/loop rt/config "
-                   "rt/inference rt/plugin",
+                   "core/shape core/kinematics core/control rt/loop rt/config rt/inference rt/plugin",
     "rt/pipeline": "core/mesh core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
-    "rt/daemon": "core/elasticity core/sensing core/shape rt/loop rt/bus rt/config rt/registry rt/pipeline",
+    "rt/daemon": "core/elasticity core/sensing core/shape rt/loop rt/bus rt/config rt/plugin rt/registry rt/pipeline",
     # The plant must not share the estimator's model: no core/elasticity, no core/collision; of
     # sensing only the manufacturer's data of the sensor; of the loop its clock.
     "sim/draw": "core/math rt/loop/sanitizer.hpp",
@@ -52,7 +49,7 @@ ALLOWED = {
     "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/common tools/log tools/record",
     "tools/drawing": "core/math rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
-    "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/plugin",
+    "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/config rt/plugin",
     "tools/export": "core/math core/mesh core/elasticity rt/bus rt/config rt/registry sim/draw tools/common "
                     "tools/log tools/drawing",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
@@ -70,10 +67,11 @@ ALLOWED = {
                   "tools/drawing tools/log",
     # Any may include core, rt, sim and tools; listed here are other folders of the laboratory.
     "tools/lab/inject": "",
+    "tools/lab/baselines": "",
     "tools/lab/runs": "",
     "tools/lab/scores": "tools/lab/runs",
     "tools/lab/cases": "",
-    "tools/lab/studies": "tools/lab/runs tools/lab/scores",
+    "tools/lab/studies": "tools/lab/baselines tools/lab/runs tools/lab/scores",
     "tools/lab/sensor_models": "tools/lab/runs tools/lab/scores tools/lab/studies",
     "tools/lab/faults": "tools/lab/runs",
     "tools/lab/endurance": "tools/lab/runs tools/lab/scores tools/lab/faults",

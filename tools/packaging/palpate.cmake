@@ -13,6 +13,8 @@ target_compile_options(palpate_flags INTERFACE
 # gcc 12 reports false positives of these from within Eigen at -O3.
 target_compile_options(palpate_flags INTERFACE
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>>)
+# The static libraries are also parts of palpate-baselines.so.
+target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fPIC>)
 target_include_directories(palpate_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
 # One visibility for all targets, so that all can share precompiled headers; see
 # sim/robot/CMakeLists.txt.

@@ -1,20 +1,8 @@
 #include "tools/view/cell.hpp"
 
 #include "rt/registry/frames.hpp"
-#include "rt/registry/published_control_registry.hpp"
-#include "rt/registry/published_sensing_registry.hpp"
 
 namespace palpate::view {
-namespace {
-
-std::vector<std::string> with(std::vector<std::string> names,
-                              const std::vector<std::string>& more) {
-  names.insert(names.end(), more.begin(), more.end());
-  return names;
-}
-
-}  // namespace
-
 const std::vector<SlotChoices>& slot_choices() {
   // A test compares this list with the registries.
   static const std::vector<SlotChoices> all = {
@@ -26,21 +14,21 @@ const std::vector<SlotChoices>& slot_choices() {
       {"contact", true, {{"component", {"area_coordinates", "wrench_patch"}}}},
       {"estimation",
        false,
-       {{"component", with({"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
-                            "pose_wrench_filter"},
-                           registry::published_sensing_names())}}},
+       {{"component",
+         {"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
+          "pose_wrench_filter"}}}},
       {"deformation",
        false,
        {{"component",
          {"corotational_quasistatic", "corotational_dynamic", "linear", "mass_spring",
-          "shape_matching", "as_rigid_as_possible"}}}},
+          "shape_matching"}}}},
       {"feature",
        false,
        {{"component",
          {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"}}}},
       {"control",
        false,
-       {{"provider", with({"fem", "kinematic"}, registry::published_providers())},
+       {{"provider", {"fem", "kinematic"}},
         {"law", {"proportional_twist", "dual_quaternion", "quadratic_program"}}}}};
   return all;
 }

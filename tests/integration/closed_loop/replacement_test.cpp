@@ -126,10 +126,12 @@ const Pair kPairs[] = {
      {"estimation", "force_driven", "variant: repaired"},
      {"estimation", "pose_driven", ""},
      {}},
+#ifdef PALPATE_HAS_BASELINES
     {"as_rigid_as_possible",
      {"deformation", "as_rigid_as_possible", ""},
      {"deformation", "corotational_quasistatic", ""},
-     {}},
+     {"plugins=[{library: palpate-baselines.so}]"}},
+#endif
     {"filter", {"estimation", "pose_wrench_filter", ""}, {"estimation", "pose_driven", ""}, {}},
     {"quadratic_program",
      {"control", "", "law: quadratic_program"},

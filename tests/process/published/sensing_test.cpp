@@ -56,7 +56,8 @@ applications:
   static std::string methods(int controls) {
     return "pose: []\nspline:\n  - \"estimation={component: spline_fit, controls: " +
            std::to_string(controls) +
-           "}\"\n  - \"deformation={component: as_rigid_as_possible}\"\n";
+           "}\"\n  - \"deformation={component: as_rigid_as_possible}\"\n" +
+           "  - \"plugins=[{library: palpate-baselines.so}]\"\n";
   }
   int run(const std::string& arguments, const std::string& name = "said.txt") const {
     const std::string command = std::string(PALPATE_BIN_DIR) + "/palpate-evaluate --root '" +
@@ -158,7 +159,8 @@ objects:
     const config::Node root = config::Node::load_file(
         kRoot + "/rt/config/examples/bar_long_soft.yaml",
         {"estimation={component: learned_shape, model: '" + folder_.file(model).string() + "'}",
-         "deformation={component: as_rigid_as_possible}"});
+         "deformation={component: as_rigid_as_possible}",
+         "plugins=[{library: palpate-baselines.so}]"});
     EXPECT_NO_THROW(pipeline::Pipeline(root, 1e-3)) << model;
   }
 }

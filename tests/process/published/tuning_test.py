@@ -65,7 +65,7 @@ tasks:
       pose: {{}}
 """
 SENSING_METHODS = """
-spline: ["estimation={component: spline_fit, controls: 5}", "deformation={component: as_rigid_as_possible}"]
+spline: ["estimation={component: spline_fit, controls: 5}", "deformation={component: as_rigid_as_possible}", "plugins=[{library: palpate-baselines.so}]"]
 pose: []
 """
 SCENE = """base: {root}/sim/scenes/bar_long_soft_six_poses.yaml

@@ -126,6 +126,45 @@ class Unruly(ProcessTest):
         twists.wait_for(lambda message: message.valid == 1 and message.twist[0] != 0, PATIENCE)
         self.assertEqual(self.program.end(), 0)
 
+    def silence_before_zero(self, hanging: dict[str, str]) -> int:
+        """Time from the last moving command to the zero command, us, where a plug-in hangs."""
+        program = self.start_daemon(BAR, plugins=UNRULY, **hanging)
+        simulator = self.start_simulator()
+        daemon = self.connect()
+        seen: list[Any] = []
+        daemon.control.subscribe("TWIST_COMMAND", seen.append)
+        daemon.start()
+        daemon.target("point", TARGET, [REST])
+        for _ in range(1000):
+            daemon.control.run(0.02)
+            if program.process.poll() is not None:
+                break
+        daemon.control.run(0.1)
+        self.assertEqual(program.process.wait(PATIENCE), 5, program.output())
+        self.assertIn("has not returned from a call in the loop", program.output())
+        self.assertFalse(any(seen[-1].twist))
+        self.assertEqual(seen[-1].valid, 0)
+        simulator.end()
+        return int(seen[-1].utime - seen[-2].utime)
+
+    def test_one_that_hangs_in_the_loop_ends_the_daemon_after_a_zero_command(self) -> None:
+        hanging = {
+            "law": {"control": "{provider: fem, law: unruly_law, does: hang, after: 300}"},
+            "estimator": {"estimation": "{component: unruly_estimator, does: hang, after: 300}"},
+        }
+        for name, sets in hanging.items():
+            with self.subTest(name):
+                # The shortest of three: other programs may take the processor.
+                silences = [self.silence_before_zero(sets) for _ in range(3)]
+                self.assertLess(min(silences), 20_000)
+
+    def test_one_that_hangs_at_set_up_is_refused(self) -> None:
+        program = Program(self, [BIN / "palpated", "--config", BAR, *self.urls,
+                                 "--set", f"plugins={UNRULY}",
+                                 "--set", "deformation={component: unruly_model, does: hang_warm_up}"])  # fmt: skip
+        self.assertEqual(program.process.wait(PATIENCE), 78)
+        self.assertIn("'unruly_model' of unruly.so has not returned within 5 s", program.output())
+
     def test_numbers_that_are_none_never_reach_the_robot(self) -> None:
         daemon = self.running(control="{provider: fem, law: unruly_law, does: nan, after: 300}")
         seen: list[Any] = []

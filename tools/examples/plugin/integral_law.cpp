@@ -6,23 +6,18 @@
 
 namespace example {
 
-using palpate::plugin::number;
-
-std::vector<palpate::plugin::Parameter> IntegralLaw::parameters() {
-  const Options o;
-  return {number("gain", 1e-3, 50, o.gain, "of the error, 1/s"),
-          number("integral_gain", 0, 50, o.integral_gain, "of its integral, 1/s^2"),
-          number("integral_zone", 1e-4, 1, o.integral_zone, "error that is integrated, m or rad"),
-          number("damping", 1e-4, 1, o.damping, "of the inverse"),
-          number("linear_speed", 1e-4, 10, o.linear_speed, "limit, m/s"),
-          number("angular_speed", 1e-4, 10, o.angular_speed, "limit, rad/s"),
-          number("length", 1e-3, 10, o.length, "that counts as much as a radian, m")};
-}
-
-IntegralLaw::Options IntegralLaw::read(const palpate::plugin::Parameters& p) {
-  return {p.number("gain"),    p.number("integral_gain"), p.number("integral_zone"),
-          p.number("damping"), p.number("linear_speed"),  p.number("angular_speed"),
-          p.number("length")};
+palpate::config::OptionTable<IntegralLaw::Options> IntegralLaw::table() {
+  return palpate::config::OptionTable<Options>()
+      .number("gain", "1/s", "gain on the error", {1e-3, 50}, &Options::gain)
+      .number("integral_gain", "1/s^2", "gain on the integral of the error", {0, 50},
+              &Options::integral_gain)
+      .number("integral_zone", "m or rad", "largest error that is integrated", {1e-4, 1},
+              &Options::integral_zone)
+      .number("damping", "", "of the inverse", {1e-4, 1}, &Options::damping)
+      .number("linear_speed", "m/s", "largest", {1e-4, 10}, &Options::linear_speed)
+      .number("angular_speed", "rad/s", "largest", {1e-4, 10}, &Options::angular_speed)
+      .number("length", "m", "translation equivalent to a rotation by a radian", {1e-3, 10},
+              &Options::length);
 }
 
 void IntegralLaw::configure_for(const palpate::shape::Feature& feature) {
@@ -35,7 +30,7 @@ void IntegralLaw::configure_for(const palpate::shape::Feature& feature) {
 }
 
 void IntegralLaw::compute(const palpate::control::LawInputs& inputs,
-                          palpate::control::LawOutput& output) {
+                          palpate::plugin::PluginLawOutput& output) {
   const Rows error = *inputs.error;
   if (inputs.jacobian->cols() != 6) {
     output.remark = "integral_twist moves one hand only";

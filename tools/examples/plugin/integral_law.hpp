@@ -21,16 +21,15 @@ class IntegralLaw : public palpate::plugin::PluginControlLaw {
     double angular_speed = 0.4;  // rad/s
     double length = 0.1;         // m, translation equivalent to a rotation of one radian
   };
-  /// The keys of the configuration, and the resulting options.
-  static std::vector<palpate::plugin::Parameter> parameters();
-  static Options read(const palpate::plugin::Parameters& parameters);
+  /// The keys of the configuration.
+  static palpate::config::OptionTable<Options> table();
 
   explicit IntegralLaw(const Options& options) : options_(options) {}
 
   /// Throws std::invalid_argument if the feature has more than six rows.
   void configure_for(const palpate::shape::Feature& feature) override;
   void compute(const palpate::control::LawInputs& inputs,
-               palpate::control::LawOutput& output) override;
+               palpate::plugin::PluginLawOutput& output) override;
   void reset() override { integral_.setZero(); }
 
  private:

@@ -6,20 +6,14 @@
 namespace example {
 
 using palpate::Status;
-using palpate::plugin::integer;
-using palpate::plugin::number;
 
-std::vector<palpate::plugin::Parameter> MedianSensor::parameters() {
-  const Options o;
-  return {integer("samples", 1, kMostSamples, o.samples, "of the median; odd"),
-          integer("tare_samples", 1, 100000, o.tare_samples, "of a tare"),
-          number("max_age_ms", 1, 1e4, o.max_age * 1e3, "of the latest reading, ms"),
-          number("force_deviation", 0, 100, o.force_deviation, "standard, of each axis, N")};
-}
-
-MedianSensor::Options MedianSensor::read(const palpate::plugin::Parameters& p) {
-  return {p.integer("samples"), p.integer("tare_samples"), p.number("max_age_ms") * 1e-3,
-          p.number("force_deviation")};
+palpate::config::OptionTable<MedianSensor::Options> MedianSensor::table() {
+  return palpate::config::OptionTable<Options>()
+      .integer("samples", "of the median; odd", {1, kMostSamples}, &Options::samples)
+      .integer("tare_samples", "of a tare", {1, 100000}, &Options::tare_samples)
+      .number("max_age_ms", "ms", "of the latest reading", {1, 1e4}, &Options::max_age, 1e-3)
+      .number("force_deviation", "N", "standard deviation of each axis", {0, 100},
+              &Options::force_deviation);
 }
 
 MedianSensor::MedianSensor(const Options& options)

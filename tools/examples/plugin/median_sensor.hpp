@@ -19,8 +19,7 @@ class MedianSensor : public palpate::plugin::PluginSensorModel {
     double max_age = 0.025;        // s
     double force_deviation = 0.1;  // N, standard, of each axis
   };
-  static std::vector<palpate::plugin::Parameter> parameters();
-  static Options read(const palpate::plugin::Parameters& parameters);
+  static palpate::config::OptionTable<Options> table();
 
   /// Throws std::invalid_argument for an even number of samples.
   explicit MedianSensor(const Options& options);

@@ -7,12 +7,12 @@
 
 #include "core/math/random.hpp"
 #include "core/mesh/surface.hpp"
-#include "core/published_sensing/learned_shape.hpp"
-#include "core/published_sensing/neural_gas.hpp"
 #include "rt/registry/object.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/common/table.hpp"
+#include "tools/lab/baselines/sensing/learned_shape.hpp"
+#include "tools/lab/baselines/sensing/neural_gas.hpp"
 #include "tools/lab/runs/live_run.hpp"
 #include "tools/lab/studies/sensing_recording.hpp"
 #include "tools/log/plant_truth.hpp"
@@ -20,7 +20,7 @@
 namespace palpate::studies {
 
 namespace fs = std::filesystem;
-using published_sensing::LearnedShape;
+using baselines::LearnedShape;
 
 struct TrainSensingCommand::Options {
   fs::path plan, output = "out/train-sensing";
@@ -122,7 +122,7 @@ Samples gather(const SensingScene& scene, const SensingRecording& recording,
   return {columns(in[0]), columns(out[0]), columns(in[1]), columns(out[1])};
 }
 
-double mean_error(const published_sensing::ShapeNetwork& net, const Samples& samples) {
+double mean_error(const baselines::ShapeNetwork& net, const Samples& samples) {
   Eigen::VectorXd room(net.hidden.rows()), result(net.outputs());
   double sum = 0;
   for (Eigen::Index i = 0; i < samples.held_inputs.cols(); ++i) {
@@ -146,7 +146,7 @@ nlohmann::json row_by_row(const Eigen::MatrixXd& matrix) {
 
 void write_model(const LearnedShape::Model& model, const std::string& card, const fs::path& file) {
   std::ofstream out(file);
-  const published_sensing::ShapeNetwork& net = model.network;
+  const baselines::ShapeNetwork& net = model.network;
   out << "card: " << nlohmann::json(card).dump()
       << "\ninputs: " << (model.inputs == LearnedShape::Inputs::kAngle ? "angle" : "position")
       << "\nunits: " << model.units.cols() << "\nhidden: " << net.hidden.rows() << '\n';
@@ -168,9 +168,9 @@ std::optional<int> TrainSensingCommand::run(const fs::path& root, std::ostream& 
       (o.plan.empty() ? root / "tools/lab/studies/published_sensing_training.yaml" : o.plan)
           .string());
   const int seed = plan.integer("seed", {0, 1e9});
-  published_sensing::NeuralGasOptions gas;
+  baselines::NeuralGasOptions gas;
   gas.units = plan.integer("units", {2, 300}, gas.units);
-  published_sensing::ShapeTrainingOptions training;
+  baselines::ShapeTrainingOptions training;
   training.hidden = plan.integer("hidden", {1, 500}, training.hidden);
   training.epochs = plan.integer("epochs", {1, 1e6}, training.epochs);
   common::catch_interruptions();
@@ -194,11 +194,11 @@ std::optional<int> TrainSensingCommand::run(const fs::path& root, std::ostream& 
       LearnedShape::Model model;
       model.inputs = inputs;
       const math::Random random(static_cast<std::uint64_t>(seed), name);
-      model.units = published_sensing::grow_neural_gas(surface, gas, random.split("gas")).units;
+      model.units = baselines::grow_neural_gas(surface, gas, random.split("gas")).units;
       const Samples samples = gather(scene, recording, object, model.units, inputs, folder);
-      model.network = published_sensing::train_shape_network(
-          samples.inputs, samples.outputs, samples.held_inputs, samples.held_outputs, training,
-          random.split("network"));
+      model.network =
+          baselines::train_shape_network(samples.inputs, samples.outputs, samples.held_inputs,
+                                         samples.held_outputs, training, random.split("network"));
       const bool by_angle = inputs == LearnedShape::Inputs::kAngle;
       const fs::path file =
           fs::absolute(o.output) /

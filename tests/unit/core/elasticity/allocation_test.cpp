@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 
-#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
@@ -130,9 +129,6 @@ TEST(Allocation, NoneInTheLoop) {
   expect_no_allocation(refining);
   CorotationalDynamic dynamic(quadratic);
   expect_no_allocation(dynamic);
-  AsRigidAsPossible geometric(quadratic), geometric_linear(linear);
-  expect_no_allocation(geometric);
-  expect_no_allocation(geometric_linear);
   CorotationalDynamic linear_dynamic(linear);
   expect_no_allocation(linear_dynamic);
   SolverOptions shared;

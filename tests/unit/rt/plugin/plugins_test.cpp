@@ -5,82 +5,19 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <functional>
 
-#include "rt/pipeline/pipeline.hpp"
-#include "tests/support/pipeline_cycles.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tests/unit/rt/plugin/plugged_pipeline.hpp"
 
 namespace palpate::plugin {
 namespace {
 
-const std::string kLibraries = PALPATE_TEST_PLUGINS;
-const std::string kUnruly = "plugins=[{library: " + kLibraries + "/unruly.so}]";
-
-config::Node example(std::vector<std::string> overrides) {
-  return config::Node::load_file(
-      std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml", overrides);
-}
-
-std::string error_of(const std::vector<std::string>& overrides) {
-  try {
-    const config::Node root = example(overrides);
-    const pipeline::Pipeline pipeline(root, 1e-3);
-    root.child("control").check_all_used();
-  } catch (const config::Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-void expect_complaint(const std::vector<std::string>& overrides,
-                      const std::vector<std::string>& words) {
-  const std::string error = error_of(overrides);
-  for (const std::string& word : words)
-    EXPECT_NE(error.find(word), std::string::npos) << word << " is not in: " << error;
-}
-
-std::string library(const std::string& name) {
-  return "plugins=[{library: " + kLibraries + "/" + name + "}]";
-}
-
-/// A pipeline that is started with a target, with the signals of a hand that holds the bar.
-class Running {
- public:
-  explicit Running(const std::vector<std::string>& overrides) : pipeline(example(overrides), 1e-3) {
-    signals_ = support::at_rest(pipeline);
-    const Eigen::Vector3d target(0.25, 0.03, 0.08);
-    const char* reason = "";
-    pipeline.start();
-    EXPECT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
-  }
-
-  void run(int cycles) {
-    for (int i = 0; i < cycles; ++i) {
-      support::run(pipeline, signals_, 1);
-      const math::Twist twist = pipeline.gate_output(0).V_W_E;
-      ASSERT_TRUE(twist.vector().allFinite());
-      speed = twist.vector().norm();
-    }
-  }
-
-  pipeline::Pipeline pipeline;
-  double speed = 0;  // of the last command
-
- private:
-  sensing::Signals signals_;
-};
-
-std::string sensor(const std::string& does, const std::string& more = "") {
-  return "sensing=[{name: wrist, component: unruly_sensor, does: " + does + more + "}]";
-}
-std::string law(const std::string& does, const std::string& more = "") {
-  return "control={provider: fem, law: unruly_law, does: " + does + more + "}";
-}
-
 TEST(Plugins, WithoutTheKeyThereAreNone) {
-  EXPECT_TRUE(Plugins::load(example({}))->components().control_laws.empty());
+  EXPECT_TRUE(Plugins::load(example({}))->components().control_laws.entries().empty());
 }
 
 TEST(Plugins, ComponentsAreMadeByName) {
@@ -143,7 +80,7 @@ TEST(Plugins, NamesAreCheckedAtRegistration) {
 TEST(Plugins, KeysAreThoseThatItDeclared) {
   expect_complaint({kUnruly, law("mischief")}, {"control.does", "'mischief'", "allowed: nothing"});
   expect_complaint({kUnruly, law("nothing", ", after: -1")},
-                   {"control.after", "0", "1000000", "cycles that it is good for"});
+                   {"control.after", "0", "1000000", "cycles before it"});
   expect_complaint({kUnruly, law("nothing", ", gain: 1")},
                    {"control.gain", "unknown key", "after"});
   expect_complaint({kUnruly, "control.law=no_such_law"},
@@ -201,10 +138,11 @@ TEST(Plugins, ASensorThatThrowsGivesWayToItsFallback) {
 }
 
 TEST(Plugins, ALawThatErrsFaultsAndSaysWhy) {
-  for (const auto& [does, reason] : {std::pair("throw", "the plug-in threw an exception"),
-                                     std::pair("throw_number", "the plug-in threw an exception"),
-                                     std::pair("nan", "the command is not finite"),
-                                     std::pair("resize", "the plug-in changed the length")}) {
+  for (const auto& [does, reason] :
+       {std::pair("throw", "the plug-in threw an exception"),
+        std::pair("throw_number", "the plug-in threw an exception"),
+        std::pair("nan", "the command is not finite"),
+        std::pair("resize", "the plug-in changed the length of an output")}) {
     Running running({kUnruly, sensor("nothing"), law(does, ", after: 60")});
     running.run(50);
     ASSERT_GT(running.speed, 1e-3) << does;
@@ -236,7 +174,7 @@ TEST(Plugins, AProviderThatErrsLeavesTheRobotWhereItIs) {
     running.run(50);
     ASSERT_GT(running.speed, 1e-3) << does;
     running.run(150);
-    EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kDegraded) << does;
+    EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kFaulted) << does;
     EXPECT_EQ(running.speed, 0) << does;
   }
 }
@@ -273,6 +211,52 @@ TEST(Plugins, TheLibrariesStayAsTheyAreWhileTheDaemonRuns) {
   } catch (const config::Error& error) {
     EXPECT_NE(std::string(error.what()).find("plugins"), std::string::npos);
   }
+}
+
+double seconds_of(const std::function<void()>& call) {
+  const auto begin = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+TEST(Plugins, OneThatHangsAtSetUpIsRefusedInTime) {
+  for (const auto& [overrides, words] :
+       std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>{
+           {{library("hangs.so")}, {"plugins.0.library", "its registration has not returned"}},
+           {{kUnruly, law("hang_setup")}, {"control.law", "unruly_law", "construction"}},
+           {{kUnruly, law("hang_warm_up")}, {"control.law", "unruly_law", "has not returned"}},
+           {{kUnruly, model("hang_warm_up")}, {"warm-up", "unruly_model", "has not returned"}}}) {
+    EXPECT_LT(seconds_of([&] { expect_complaint(overrides, words); }), kSetupDeadline + 3);
+  }
+}
+
+TEST(Plugins, OneThatFailsToWarmUpIsRefused) {
+  expect_complaint({kUnruly, estimator("throw_warm_up")},
+                   {"warm-up", "unruly_estimator", "cannot warm up"});
+  expect_complaint({kUnruly, model("throw_warm_up")}, {"warm-up", "cannot warm up"});
+  expect_complaint({kUnruly, feature("throw_warm_up")}, {"warm-up", "cannot warm up"});
+}
+
+TEST(Plugins, OneOfAnotherInterfaceIsRefused) {
+  expect_complaint({library("other_interface.so")},
+                   {"plugins.0.library", "plug-in interface 1, here 2"});
+}
+
+TEST(Plugins, AWatchdogClaimsAThreadInACall) {
+  CallRecord record;
+  const RecordCalls calls(record);
+  EXPECT_EQ(record.component(), nullptr);
+  const char* const name = "a component";
+  {
+    const InCall outer(name);
+    EXPECT_EQ(record.component(), name);
+    {
+      const InCall inner("another");
+      EXPECT_FALSE(record.claim(name));
+    }
+    EXPECT_EQ(record.component(), name);
+  }
+  EXPECT_FALSE(record.claim(name));
 }
 
 }  // namespace

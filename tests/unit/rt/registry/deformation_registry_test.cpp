@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
@@ -36,13 +35,10 @@ std::string error_of(const std::string& deformation) {
 }
 
 TEST(DeformationRegistry, ModelsForComparisonAreMadeByName) {
-  using elasticity::AsRigidAsPossible;
   using elasticity::LinearModel;
   using elasticity::MassSpringModel;
   using elasticity::ShapeMatchingModel;
   EXPECT_NE(dynamic_cast<LinearModel*>(build("{component: linear}").get()), nullptr);
-  EXPECT_NE(dynamic_cast<AsRigidAsPossible*>(build("{component: as_rigid_as_possible}").get()),
-            nullptr);
   EXPECT_NE(dynamic_cast<MassSpringModel*>(build("{component: mass_spring}").get()), nullptr);
   EXPECT_NE(dynamic_cast<ShapeMatchingModel*>(build("{component: shape_matching}").get()), nullptr);
 }
@@ -57,12 +53,6 @@ TEST(DeformationRegistry, TheirKeysReachThem) {
   model->prepare();
   model->loads().setConstant(0.01);
   EXPECT_EQ(model->step(1e-3).iterations, 1);
-
-  const auto geometric = build("{component: as_rigid_as_possible, iterations: 7, accuracy: 0}");
-  geometric->prepare();
-  geometric->hold(
-      0, math::Pose(Eigen::Translation3d(0.01, 0, 0)) * geometric->body().grasps[0].X_OG_rest);
-  EXPECT_EQ(geometric->step(1e-3).iterations, 7);
 }
 
 TEST(DeformationRegistry, AStepBeyondItsBudgetKeepsItsShapeAndSaysSo) {
@@ -116,8 +106,6 @@ TEST(DeformationRegistry, KeysOfOtherModelsAndValuesOutOfRangeAreNamed) {
         std::pair("{component: linear, confirm: false}", "confirm"),
         std::pair("{component: corotational_dynamic, budget: -1}", "budget"),
         std::pair("{component: mass_spring, cg_iterations: 0}", "cg_iterations"),
-        std::pair("{component: as_rigid_as_possible, tolerance: 1e-6}", "tolerance"),
-        std::pair("{component: as_rigid_as_possible, iterations: 0}", "iterations"),
         std::pair("{component: shape_matching, rings: 6}", "rings"),
         std::pair("{component: shape_matching, max_substeps: 0}", "max_substeps")}) {
     const std::string error = error_of(deformation);

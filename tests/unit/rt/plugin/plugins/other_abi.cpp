@@ -9,8 +9,12 @@ __attribute__((visibility("default"))) void palpate_plugin_register(
 
 const palpate::plugin::PluginAbi palpate_plugin_abi = [] {
   palpate::plugin::PluginAbi abi = palpate::plugin::kPluginAbi;
+#ifdef OTHER_INTERFACE
+  abi.interface = 1;
+#else
   abi.alignment = 32;
   abi.version[0] = '9';
+#endif
   return abi;
 }();
 

@@ -1,29 +1,55 @@
 // A library of components that violate all rules for plug-ins. The kind of violation is a
 // parameter.
 
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <memory>
 #include <stdexcept>
+#include <thread>
 
 #include "rt/plugin/plugin.hpp"
 
 namespace {
 
 namespace plugin = palpate::plugin;
+namespace config = palpate::config;
 namespace contact = palpate::contact;
 namespace control = palpate::control;
+namespace elasticity = palpate::elasticity;
+namespace estimation = palpate::estimation;
 namespace sensing = palpate::sensing;
-using plugin::Parameters;
+namespace shape = palpate::shape;
 using plugin::PluginCell;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
+struct Options {
+  std::string does = "nothing";
+  int after = 0;
+};
+
+config::OptionTable<Options> table() {
+  std::vector<std::pair<std::string, std::string>> kinds;
+  for (const char* kind :
+       {"nothing", "throw", "throw_number", "allocate", "nan", "many", "bad_node", "bad_source",
+        "overrun", "resize", "fail_setup", "hang", "hang_setup", "hang_warm_up", "throw_warm_up"})
+    kinds.emplace_back(kind, kind);
+  return config::OptionTable<Options>()
+      .choice("does", "kind of violation", kinds, &Options::does)
+      .integer("after", "cycles before it", {0, 1000000}, &Options::after);
+}
+
+[[noreturn]] void hang() {
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
 /// Behaviour of a component after `after` cycles.
 class Mischief {
  public:
-  explicit Mischief(const Parameters& parameters)
-      : kind_(parameters.choice("does")), left_(parameters.integer("after")) {}
+  explicit Mischief(const Options& options) : kind_(options.does), left_(options.after) {
+    if (kind_ == "hang_setup") hang();
+  }
   bool is(const char* kind) {
     if (kind_ != kind) return false;
     return left_ == 0 || --left_ == 0;
@@ -31,7 +57,12 @@ class Mischief {
   void act() {
     if (is("throw")) throw std::runtime_error("on purpose");
     if (is("throw_number")) throw 42;
+    if (is("hang")) hang();
     if (is("allocate")) block_ = std::make_unique<char[]>(100);
+  }
+  void warm_up() {
+    if (kind_ == "hang_warm_up") hang();
+    if (kind_ == "throw_warm_up") throw std::runtime_error("cannot warm up");
   }
 
  private:
@@ -40,17 +71,16 @@ class Mischief {
   std::unique_ptr<char[]> block_;
 };
 
-std::vector<plugin::Parameter> keys() {
-  return {plugin::choice("does",
-                         {"nothing", "throw", "throw_number", "allocate", "nan", "many", "bad_node",
-                          "bad_source", "resize", "fail_setup"},
-                         "nothing", "how it errs"),
-          plugin::integer("after", 0, 1000000, 0, "cycles that it is good for")};
+/// Writes the word behind an object.
+template <class T>
+void overrun(T& object) {
+  auto* volatile behind = reinterpret_cast<unsigned char*>(&object + 1);
+  for (int i = 0; i < 8; ++i) behind[i] = 0;
 }
 
 class Sensor : public plugin::PluginSensorModel {
  public:
-  explicit Sensor(const Parameters& parameters) : mischief_(parameters) {
+  explicit Sensor(const Options& options) : mischief_(options) {
     if (mischief_.is("fail_setup")) throw std::runtime_error("no such hardware");
   }
   palpate::UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) override {
@@ -60,6 +90,7 @@ class Sensor : public plugin::PluginSensorModel {
     if (mischief_.is("bad_source")) contact.source = static_cast<sensing::Source>(77);
     contacts.push(contact);
     if (mischief_.is("many")) contacts.count = 1000;
+    if (mischief_.is("overrun")) overrun(contacts);
     mischief_.act();
     return {};
   }
@@ -71,11 +102,15 @@ class Sensor : public plugin::PluginSensorModel {
 
 class Transformer : public plugin::PluginForceTransformer {
  public:
-  explicit Transformer(const Parameters& parameters) : mischief_(parameters) {}
+  explicit Transformer(const Options& options) : mischief_(options) {}
   int max_nodes() const override { return 1; }
   void distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd&,
                   contact::ContactLoads& out) override {
     mischief_.act();
+    if (mischief_.is("overrun")) {
+      for (int i = 0; i < 2; ++i) out.push(0, Eigen::Vector3d::Zero());
+      return;
+    }
     out.location = contact.location;
     out.accepted = true;
     out.push(mischief_.is("bad_node") ? 1 << 30 : 0,
@@ -88,12 +123,13 @@ class Transformer : public plugin::PluginForceTransformer {
 
 class Provider : public plugin::PluginJacobianProvider {
  public:
-  explicit Provider(const Parameters& parameters) : mischief_(parameters) {}
+  explicit Provider(const Options& options) : mischief_(options) {}
   bool update(const palpate::shape::Feature&, const palpate::elasticity::DeformationModel&,
               const palpate::math::Pose&, Eigen::Ref<Eigen::MatrixXd> J) override {
     mischief_.act();
     J.setIdentity();
     if (mischief_.is("nan")) J.setConstant(kNan);
+    if (mischief_.is("overrun")) J.data()[J.size()] = 0;
     return true;
   }
 
@@ -103,16 +139,17 @@ class Provider : public plugin::PluginJacobianProvider {
 
 class Law : public plugin::PluginControlLaw {
  public:
-  Law(const Parameters& parameters, const PluginCell& cell)
-      : mischief_(parameters), period_(cell.period) {}
+  Law(const Options& options, const PluginCell& cell) : mischief_(options), period_(cell.period) {}
   void configure_for(const palpate::shape::Feature&) override {
     if (mischief_.is("fail_setup")) throw 42;
+    mischief_.warm_up();
   }
-  void compute(const control::LawInputs& inputs, control::LawOutput& output) override {
+  void compute(const control::LawInputs& inputs, plugin::PluginLawOutput& output) override {
     mischief_.act();
     output.V_O_G.linear.x() = 0.01 * inputs.dt / period_;
     if (mischief_.is("nan")) output.V_O_G.angular.z() = kNan;
-    if (mischief_.is("resize")) output.unreachable.resize(99);
+    if (mischief_.is("resize")) new (&output.unreachable) Eigen::Map<Eigen::VectorXd>(nullptr, 0);
+    if (mischief_.is("overrun")) output.unreachable.data()[output.unreachable.size()] = 0;
   }
 
  private:
@@ -120,30 +157,121 @@ class Law : public plugin::PluginControlLaw {
   double period_;
 };
 
+class Estimator : public plugin::PluginEstimator {
+ public:
+  explicit Estimator(const Options& options) : mischief_(options) {}
+  void activate(elasticity::DeformationModel& model) override {
+    mischief_.warm_up();
+    model.hold(0, model.body().grasps[0].X_OG_rest);
+  }
+  palpate::UpdateResult update(const estimation::EstimationInputs& inputs,
+                               elasticity::DeformationModel& model,
+                               estimation::Estimate& estimate) override {
+    mischief_.act();
+    estimate.step = model.step(inputs.dt);
+    estimate.X_OG[0] = inputs.grasps[0].X_OG;
+    if (mischief_.is("nan")) estimate.reaction[0].force.x() = kNan;
+    if (mischief_.is("overrun")) overrun(estimate);
+    return {};
+  }
+
+ private:
+  Mischief mischief_;
+};
+
+/// Of a rigid object that never moves.
+class Model : public plugin::PluginDeformationModel {
+ public:
+  explicit Model(const Options& options) : mischief_(options) {}
+  void prepare() override { mischief_.warm_up(); }
+  void hold(int, const palpate::math::Pose&) override {}
+  void release(int) override {}
+  void set_gravity(const Eigen::Vector3d&) override {}
+  elasticity::StepReport step(double, const Eigen::Matrix3Xd&, Nodes positions, Nodes) override {
+    mischief_.act();
+    if (mischief_.is("nan")) positions(0, 0) = kNan;
+    if (mischief_.is("overrun")) positions.data()[positions.size()] = 0;
+    elasticity::StepReport report;
+    report.status = elasticity::StepStatus::kConverged;
+    return report;
+  }
+  void reset() override { mischief_.act(); }
+  palpate::math::Wrench reaction(int) const override { return {}; }
+
+ private:
+  Mischief mischief_;
+};
+
+/// Position of the node nearest to the point of the example.
+class Feature : public plugin::PluginFeature {
+ public:
+  Feature(const Options& options, const PluginCell& cell) : mischief_(options), jacobian_(3, 3) {
+    Eigen::Index nearest = 0;
+    (cell.body->mesh.nodes.colwise() - points_[0]).colwise().squaredNorm().minCoeff(&nearest);
+    support_[0] = static_cast<int>(nearest);
+    for (int i = 0; i < 3; ++i) jacobian_.insert(i, i) = 1;
+    jacobian_.makeCompressed();
+  }
+  const char* kind() const override { return "point"; }
+  int dimension() const override { return 3; }
+  int value_count() const override { return 3; }
+  const std::vector<Eigen::Vector3d>& rest_points() const override { return points_; }
+  void evaluate(const Eigen::Matrix3Xd& positions, Eigen::Ref<Eigen::VectorXd> value) override {
+    if (first_) mischief_.warm_up();
+    first_ = false;
+    mischief_.act();
+    value = positions.col(support_[0]);
+    if (mischief_.is("nan")) value[0] = kNan;
+    if (mischief_.is("overrun")) value.data()[value.size()] = 0;
+  }
+  void error(const Eigen::Ref<const Eigen::VectorXd>& value,
+             const Eigen::Ref<const Eigen::VectorXd>& target,
+             Eigen::Ref<Eigen::VectorXd> error) const override {
+    error = target - value;
+  }
+  const std::vector<int>& support() const override { return support_; }
+  const Eigen::SparseMatrix<double>& jacobian() const override { return jacobian_; }
+  bool is_valid_target(const double*, int) const override { return true; }
+
+ private:
+  Mischief mischief_;
+  bool first_ = true;
+  std::vector<Eigen::Vector3d> points_{Eigen::Vector3d(0.25, 0.03, 0.06)};
+  std::vector<int> support_{0};
+  Eigen::SparseMatrix<double> jacobian_;
+};
+
+template <class Component>
+std::unique_ptr<Component> make(const Options& options, const PluginCell&) {
+  return std::make_unique<Component>(options);
+}
+
+std::unique_ptr<Feature> make_feature(const Options& options, const PluginCell& cell) {
+  return std::make_unique<Feature>(options, cell);
+}
+
+std::unique_ptr<Law> make_law(const Options& options, const PluginCell& cell) {
+  return std::make_unique<Law>(options, cell);
+}
+
 }  // namespace
 
 PALPATE_PLUGIN(registrar) {
 #if defined(UNRULY_THROWS)
-  registrar.control_laws.push_back({"half_done", keys(), nullptr});
+  registrar.control_laws.add("half_done", table(), make_law);
   throw std::runtime_error("there is no licence for it");
+#elif defined(UNRULY_HANGS)
+  static_cast<void>(registrar);
+  hang();
 #elif defined(UNRULY_NAME)
-  const auto law = [](const Parameters& p, const PluginCell& c) {
-    return std::make_unique<Law>(p, c);
-  };
-  registrar.control_laws.push_back({UNRULY_NAME, keys(), law});
+  registrar.control_laws.add(UNRULY_NAME, table(), make_law);
 #else
-  registrar.sensor_models.push_back(
-      {"unruly_sensor", keys(),
-       [](const Parameters& p, const PluginCell&) { return std::make_unique<Sensor>(p); },
-       plugin::SensorKind::kWrist});
-  registrar.force_transformers.push_back(
-      {"unruly_transformer", keys(),
-       [](const Parameters& p, const PluginCell&) { return std::make_unique<Transformer>(p); }});
-  registrar.jacobian_providers.push_back(
-      {"unruly_provider", keys(),
-       [](const Parameters& p, const PluginCell&) { return std::make_unique<Provider>(p); }});
-  registrar.control_laws.push_back(
-      {"unruly_law", keys(),
-       [](const Parameters& p, const PluginCell& c) { return std::make_unique<Law>(p, c); }});
+  registrar.sensor_models.add("unruly_sensor", table(), make<Sensor>, plugin::SensorKind::kWrist);
+  registrar.force_transformers.add("unruly_transformer", table(), make<Transformer>);
+  registrar.estimators.add("unruly_estimator", table(), make<Estimator>);
+  registrar.deformation_models.add("unruly_model", table(), make<Model>);
+  registrar.features.add("unruly_feature", table(), make_feature);
+  registrar.jacobian_providers.add("unruly_provider", table(), make<Provider>);
+  registrar.control_laws.add("unruly_law", table(), make_law);
 #endif
 }

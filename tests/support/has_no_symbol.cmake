@@ -1,0 +1,10 @@
+# Fails if a symbol of PROGRAM contains WORD: cmake -DNM=nm -DPROGRAM=FILE -DWORD=TEXT -P this
+execute_process(COMMAND ${NM} -C ${PROGRAM} OUTPUT_VARIABLE symbols ERROR_VARIABLE error RESULT_VARIABLE result)
+if(NOT result EQUAL 0 OR symbols STREQUAL "")
+  message(FATAL_ERROR "${PROGRAM}: its symbols cannot be read ${error}")
+endif()
+string(FIND "${symbols}" "${WORD}" at)
+if(NOT at EQUAL -1)
+  string(SUBSTRING "${symbols}" ${at} 200 text)
+  message(FATAL_ERROR "${PROGRAM} has a symbol with '${WORD}': ${text}")
+endif()
