@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -68,7 +69,9 @@ struct PluginEntry {
   /// From a value for each option.
   std::function<Made(const std::vector<config::OptionValue>&, const PluginCell&)> make;
   SensorKind sensor = SensorKind::kOther;  // of sensor models
-  std::string library = {};                // set by the host
+  /// Set by PluginList::add(): `make` returns the guarded interface, and has a deadline.
+  bool is_guarded = true;
+  std::string library = {};  // set by the host
 };
 
 /// Components of one slot.
@@ -87,6 +90,8 @@ class PluginList {
       return typename PluginEntry<Component>::Made(make(table.make(values), cell));
     };
     entry.sensor = sensor;
+    using Result = std::invoke_result_t<Make&, const Options&, const PluginCell&>;
+    entry.is_guarded = std::is_convertible_v<Result, std::unique_ptr<Component>>;
     entries_.push_back(std::move(entry));
   }
 

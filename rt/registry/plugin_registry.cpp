@@ -48,9 +48,11 @@ std::unique_ptr<typename Component::Core> make(const plugin::PluginEntry<Compone
   const std::string name = std::string(key) + " '" + entry.name + "' of " + entry.library;
   return guarded(node, key, entry.name, [&]() -> std::unique_ptr<typename Component::Core> {
     const auto made = std::make_shared<typename plugin::PluginEntry<Component>::Made>();
-    plugin::within_deadline("its construction", [made, values, cell, make = entry.make] {
-      *made = make(values, cell);
-    });
+    const auto construct = [made, values, cell, make = entry.make] { *made = make(values, cell); };
+    if (entry.is_guarded)
+      plugin::within_deadline("its construction", construct);
+    else
+      construct();
     const bool is_empty = std::visit([](const auto& component) { return !component; }, *made);
     if (is_empty) node.fail(key, entry.name + ": the plug-in made nothing");
     if (auto* own = std::get_if<std::unique_ptr<typename Component::Core>>(made.get()))
