@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/elasticity/corotational_model.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 
 namespace palpate::elasticity {
@@ -11,20 +12,13 @@ inline Body bar(mesh::ElementOrder order = mesh::ElementOrder::kQuadratic) {
   return make_bar({0.2, 0.05, 0.05}, {5, 1, 1}, order);
 }
 
-inline void refactor(DeformationModel& model) {
-  if (Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
-}
-
 /// Steps until converged; refactors in between if requested.
 inline StepReport settle(DeformationModel& model, bool with_refactorisation, int steps = 400) {
   StepReport report;
   for (int i = 0; i < steps; ++i) {
     report = model.step(kDt);
     if (report.status != StepStatus::kNotConverged) break;
-    if (with_refactorisation) refactor(model);
+    if (with_refactorisation) support::refactor(model);
   }
   return report;
 }
