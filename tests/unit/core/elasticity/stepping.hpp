@@ -6,6 +6,8 @@
 
 namespace palpate::elasticity {
 
+using support::refactor;
+
 inline constexpr double kDt = 1e-3;  // s
 
 inline Body bar(mesh::ElementOrder order = mesh::ElementOrder::kQuadratic) {
@@ -18,7 +20,7 @@ inline StepReport settle(DeformationModel& model, bool with_refactorisation, int
   for (int i = 0; i < steps; ++i) {
     report = model.step(kDt);
     if (report.status != StepStatus::kNotConverged) break;
-    if (with_refactorisation) support::refactor(model);
+    if (with_refactorisation) refactor(model);
   }
   return report;
 }
