@@ -14,7 +14,7 @@ std::string cell(const std::string& text) {
   return safe;
 }
 
-std::string default_of(const Parameter& parameter) {
+std::string default_text(const Parameter& parameter) {
   std::string text;
   for (const std::string& value : parameter.defaults)
     text += (text.empty() ? "`" : " or `") + value + "`";
@@ -54,7 +54,7 @@ void write_markdown(std::ostream& out, const std::vector<Section>& sections, int
         << "| --- | --- | --- | --- | --- | --- |\n";
     for (const Parameter& parameter : section.parameters)
       out << "| `" << parameter.name << "` | " << parameter.type << " | " << parameter.unit << " | "
-          << cell(default_of(parameter)) << " | " << cell(parameter.allowed) << " | "
+          << cell(default_text(parameter)) << " | " << cell(parameter.allowed) << " | "
           << cell(condition_of(parameter) + parameter.meaning) << " |\n";
     out << "\n";
     for (const Parameter& parameter : section.parameters) write_choices(out, parameter);

@@ -16,7 +16,7 @@ Eigen::Matrix3Xd moved(const Scenario& scenario) {
   for (int k = 1; k <= 50; ++k) {
     scenario.apply(1e-3 * k, *model);
     model->step(1e-3);
-    refactor_now(*model);
+    support::refactor(*model);
   }
   return model->positions();
 }

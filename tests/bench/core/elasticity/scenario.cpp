@@ -1,4 +1,5 @@
 #include "tests/bench/core/elasticity/scenario.hpp"
+#include "tests/support/refactor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -121,15 +122,8 @@ std::unique_ptr<elasticity::CorotationalModel> make_model(
   }
   model->prepare();
   model->hold(0, body.grasps[0].X_OG_rest);
-  refactor_now(*model);
+  support::refactor(*model);
   return model;
-}
-
-void refactor_now(elasticity::DeformationModel& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
 }
 
 }  // namespace palpate::bench

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/elasticity/corotational_model.hpp"
+#include "tests/support/refactor.hpp"
 
 namespace palpate::bench {
 
@@ -61,7 +62,5 @@ std::unique_ptr<elasticity::CorotationalModel> make_model(const elasticity::Body
                                                           Mechanics mechanics,
                                                           const elasticity::SolverOptions& options);
 
-/// Runs and installs the refactorisation that the model requests, if any, immediately.
-void refactor_now(elasticity::DeformationModel& model);
 
 }  // namespace palpate::bench

@@ -1,21 +1,17 @@
 #pragma once
 
 #include "core/elasticity/corotational_model.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 
 namespace palpate::elasticity {
+
+using support::refactor;
 
 inline constexpr double kDt = 1e-3;  // s
 
 inline Body bar(mesh::ElementOrder order = mesh::ElementOrder::kQuadratic) {
   return make_bar({0.2, 0.05, 0.05}, {5, 1, 1}, order);
-}
-
-inline void refactor(DeformationModel& model) {
-  if (Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
 }
 
 /// Steps until converged; refactors in between if requested.

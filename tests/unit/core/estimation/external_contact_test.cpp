@@ -10,6 +10,7 @@
 
 #include "core/elasticity/corotational_model.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::estimation {
@@ -36,13 +37,6 @@ double median(std::vector<double> values, double share = 0.5) {
 
 elasticity::Body unknown_push_bar() {
   return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
-}
-
-void unknown_push_refactor(CorotationalQuasistatic& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
 }
 
 /// The wrench of the hand as measured by its sensor: noise, quantisation, and drift, which is a
@@ -232,7 +226,7 @@ class Scene {
 
   void tick() {
     world_->hold(0, hand_ * shift_);
-    unknown_push_refactor(*world_);
+    support::refactor(*world_);
     world_->step(1e-3);
     const Vector6d reaction = world_->reaction(0).vector();
     if (ticks_++ == 0) lagged_ = reaction;
@@ -242,7 +236,7 @@ class Scene {
     grasp.holding = grasp.wrench_valid = true;
     grasp.X_OG = hand_;
     grasp.F_G_O = math::Wrench::from(sensor_.read(lagged_));
-    unknown_push_refactor(*model_);
+    support::refactor(*model_);
     static_cast<void>(filter_->update(inputs_, *model_, estimate_));
   }
 
@@ -351,7 +345,7 @@ TEST(UnknownPushAtRest, IsImaginedLessThanOnceAnHour) {
   for (int i = 0; i < 400; ++i) {
     X_OG.translation().z() += 1e-4;
     model.hold(0, X_OG);
-    unknown_push_refactor(model);
+    support::refactor(model);
     model.step(1e-3);
   }
   StillModel still(model);

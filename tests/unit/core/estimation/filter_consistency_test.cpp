@@ -13,6 +13,7 @@
 
 #include "core/elasticity/corotational_model.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::estimation {
@@ -22,13 +23,6 @@ using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
 using math::Vector6d;
 using Vector13d = Eigen::Matrix<double, 13, 1>;
-
-void refactor(CorotationalQuasistatic& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
-}
 
 /// Groups of states: position among the 13, and size.
 struct Block {
@@ -145,7 +139,7 @@ Verdict judge(std::uint64_t seed, Given given) {
       hand.linear() = math::exp_rotation({3e-4, -4e-4, 2e-4}) * hand.linear();
     }
     world.hold(0, hand * shift);
-    refactor(world);
+    support::refactor(world);
     world.step(1e-3);
     const Vector6d reaction = world.reaction(0).vector();
     if (i == 0) lagged = reaction;
@@ -158,7 +152,7 @@ Verdict judge(std::uint64_t seed, Given given) {
     wrench.tail<3>() += R * truth.tail<3>();
     for (int k = 0; k < 6; ++k) wrench[k] += (k < 3 ? force_noise : torque_noise) * normal(random);
     inputs.grasps[0] = {Freshness::kNew, true, hand, true, math::Wrench::from(wrench)};
-    refactor(model);
+    support::refactor(model);
     static_cast<void>(filter.update(inputs, model, estimate));
     if (estimate.innovation_test < 0) continue;  // no wrench yet
     verdict.innovation += estimate.innovation_test;

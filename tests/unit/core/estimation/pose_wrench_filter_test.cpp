@@ -9,6 +9,7 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "rt/loop/allocation_counter.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::estimation {
@@ -18,13 +19,6 @@ using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
 
 elasticity::Body bar() { return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
-
-void refactor(CorotationalQuasistatic& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
-}
 
 /// The true object with its own hand, and sensors that measure both.
 class World {
@@ -38,7 +32,7 @@ class World {
   void tick(EstimationInputs& inputs) {
     const math::Pose X_OG = hand_ * shift_;
     model_.hold(0, X_OG);
-    refactor(model_);
+    support::refactor(model_);
     model_.step(1e-3);
     GraspInput& grasp = inputs.grasps[0];
     grasp.pose_freshness = Freshness::kNew;
@@ -82,7 +76,7 @@ class PoseWrenchFilterTest : public ::testing::Test {
     for (int i = 0; i < std::lround(seconds * 1000); ++i) {
       if (move) move(1e-3 * i);
       world.tick(inputs_);
-      refactor(*model_);
+      support::refactor(*model_);
       result_ = filter_->update(inputs_, *model_, estimate_);
     }
   }
@@ -119,7 +113,7 @@ TEST_F(PoseWrenchFilterTest, ResponseToAForceIsThatOfTheModelsFactor) {
     math::Pose X_OG = body.grasps[0].X_OG_rest;
     X_OG.translation() += Vector3d(0, 0, 1e-4 * i);
     model.hold(0, X_OG);
-    refactor(model);
+    support::refactor(model);
     model.step(1e-3);
   }
   ASSERT_TRUE(model.sensitivity().valid);
@@ -231,9 +225,9 @@ TEST_F(PoseWrenchFilterTest, WithoutAWrenchThePoseAloneDrives) {
     world.tick(inputs_);
     inputs_.grasps[0].wrench_valid = i % 2 == 0;
     inputs_.grasps[0].F_G_O.force.x() = i % 2 == 0 ? std::nan("") : 0;
-    refactor(*model_);
+    support::refactor(*model_);
     static_cast<void>(filter_->update(inputs_, *model_, estimate_));
-    refactor(other);
+    support::refactor(other);
     static_cast<void>(alone.update(inputs_, other, estimate));
   }
   EXPECT_EQ((model_->positions() - other.positions()).cwiseAbs().maxCoeff(), 0);
@@ -257,7 +251,7 @@ TEST_F(PoseWrenchFilterTest, AllocatesNothing) {
     world.model().loads().col(place.nodes[i]) += place.weights[i] * Vector3d(0, 0, -1);
   for (int i = 0; i < 300; ++i) {
     world.tick(inputs_);
-    refactor(*model_);
+    support::refactor(*model_);
     const loop::NoAllocationScope scope;
     static_cast<void>(filter_->update(inputs_, *model_, estimate_));
     ASSERT_EQ(scope.count(), 0) << i;

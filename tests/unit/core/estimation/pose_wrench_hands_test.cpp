@@ -7,6 +7,7 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::estimation {
@@ -15,13 +16,6 @@ namespace {
 using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
 using math::Vector6d;
-
-void pose_wrench_hands_refactor(CorotationalQuasistatic& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
-}
 
 /// A true object in one or two hands, and their measurements.
 class PoseWrenchHandsWorld {
@@ -33,7 +27,7 @@ class PoseWrenchHandsWorld {
   void tick(EstimationInputs& inputs) {
     inputs.grasp_count = static_cast<int>(model_.body().grasps.size());
     for (int g = 0; g < inputs.grasp_count; ++g) model_.hold(g, hands_[g] * shift_);
-    pose_wrench_hands_refactor(model_);
+    support::refactor(model_);
     model_.step(1e-3);
     for (int g = 0; g < inputs.grasp_count; ++g) {
       const Vector6d reaction = model_.reaction(g).vector();
@@ -70,7 +64,7 @@ class PoseWrenchHands : public ::testing::Test {
   }
   void tick(PoseWrenchHandsWorld& world, Estimator& estimator, CorotationalQuasistatic& model) {
     world.tick(inputs_);
-    pose_wrench_hands_refactor(model);
+    support::refactor(model);
     static_cast<void>(estimator.update(inputs_, model, estimate_));
   }
   EstimationInputs inputs_;

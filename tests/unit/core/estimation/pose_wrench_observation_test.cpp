@@ -8,6 +8,7 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
 #include "rt/loop/allocation_counter.hpp"
+#include "tests/support/refactor.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::estimation {
@@ -19,13 +20,6 @@ using elasticity::CorotationalQuasistatic;
 constexpr int kLate = 60;    // ms, of the observations
 constexpr int kPeriod = 33;  // ms, between two messages
 constexpr double kNoise = 3e-4;
-
-void refactor(CorotationalQuasistatic& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
-    job->run();
-    model.install(*job);
-  }
-}
 
 /// The true object, held by a hand that is slightly off its reported pose, and observed from above
 /// and from one side: noisy surface nodes.
@@ -44,7 +38,7 @@ class SeenWorld {
   void tick(EstimationInputs& inputs) {
     const math::Pose X_OG = hand_ * shift_;
     model_.hold(0, X_OG);
-    refactor(model_);
+    support::refactor(model_);
     model_.step(1e-3);
     GraspInput& grasp = inputs.grasps[0];
     grasp.pose_freshness = Freshness::kNew;
@@ -138,7 +132,7 @@ class PoseWrenchObservationTest : public ::testing::Test {
         world.hand_.linear() = math::exp_rotation(share * Vector3d(0.2, -0.3, 0.2)) * from.linear();
       }
       world.tick(inputs_);
-      refactor(*model_);
+      support::refactor(*model_);
       static_cast<void>(filter_->update(inputs_, *model_, estimate_));
       if (each) each();
     }
@@ -273,7 +267,7 @@ TEST_F(PoseWrenchObservationTest, AllocatesNothing) {
   start(nominal());
   for (int i = 0; i < 400; ++i) {
     world.tick(inputs_);
-    refactor(*model_);
+    support::refactor(*model_);
     const loop::NoAllocationScope scope;
     static_cast<void>(filter_->update(inputs_, *model_, estimate_));
     ASSERT_EQ(scope.count(), 0) << i;

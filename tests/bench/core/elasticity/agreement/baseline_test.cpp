@@ -26,7 +26,7 @@ TEST_P(BaselineAgrees, WithTheConvergedModelAlongMotionL) {
   for (int k = 1; k <= 300; ++k) {
     scenario.apply(1e-3 * k, *model);
     ASSERT_NE(model->step(1e-3).status, elasticity::StepStatus::kFailed);
-    refactor_now(*model);
+    support::refactor(*model);
     ASSERT_TRUE(baseline.step(1e-3, scenario.clamp_pose(1e-3 * k), model->loads()));
     const auto distance = [&](const Eigen::Matrix3Xd& x) {
       return (model->positions() - x).colwise().norm().maxCoeff();
