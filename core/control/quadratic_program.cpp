@@ -13,15 +13,15 @@ namespace {
 const char* relaxed_limit_message(Limit limit) {
   switch (limit) {
     case Limit::kWrench:
-      return "a limit of the grasp gives way";
+      return "a limit of the grasp is relaxed";
     case Limit::kStress:
-      return "the limit of stress gives way";
+      return "the limit of stress is relaxed";
     case Limit::kStretch:
-      return "the limit of stretch gives way";
+      return "the limit of stretch is relaxed";
     case Limit::kObstacle:
-      return "an obstacle's clearance gives way";
+      return "an obstacle's clearance is relaxed";
     case Limit::kWorkspace:
-      return "the hand's workspace gives way";
+      return "the hand's workspace is relaxed";
     default:
       return "joints keep the hand from its speed and acceleration";
   }

@@ -6,7 +6,8 @@ namespace palpate::config {
 
 std::optional<bus::Key> read_key(const Node& root) {
   if (!root.has("access")) return {};
-  const Node access = root.child({"access", "", "who may command; absent: everybody"});
+  const Node access =
+      root.child({"access", "", "Key file for commands; absent: commands need no authentication"});
   const std::string path =
       access.path({"key_file", "",
                    "key that commands in and out are sealed with (palpate-command --make-key)"});

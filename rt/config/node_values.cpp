@@ -21,6 +21,8 @@ std::string type_name(const Option& option) {
       return "flag";
     case Option::Kind::kChoice:
       return "one of";
+    case Option::Kind::kFile:
+      return "file";
     case Option::Kind::kNumbers:
       break;
   }

@@ -78,7 +78,7 @@ void Daemon::tick(const Now& now) noexcept {
   supervise(now);
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
-  if (inputs_.any_began_anew())
+  if (inputs_.any_session_restarted())
     pipeline_.stop("a sensor, hand or robot has restarted: waits for start");
   commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
   if (const bus::Subscription* channel = types_.look(now.monotonic_ns))

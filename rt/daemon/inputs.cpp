@@ -253,7 +253,7 @@ void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
   drain(observation_, signals_[0].observation, now_ns, stepped, kConvert);
 }
 
-bool Inputs::any_began_anew() const noexcept {
+bool Inputs::any_session_restarted() const noexcept {
   const auto session_restarted = [](const ArmChannels& arm) {
     return arm.force_torque.session_restarted || arm.inertial.session_restarted ||
            arm.robot.session_restarted || arm.hand.session_restarted;

@@ -62,7 +62,7 @@ class Inputs {
 
   /// True if a sensor, hand or robot of an arm has restarted by the last read(): stored information
   /// (offsets, poses) may be invalid.
-  bool any_began_anew() const noexcept;
+  bool any_session_restarted() const noexcept;
 
  private:
   template <class Message>

@@ -13,7 +13,7 @@ constexpr const char* kCommandChannels[] = {channel::kTwistCommand, channel::kTw
 
 void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 6, out); }
 
-/// estimate_t.status. A slot that never ran has no estimate that anybody may use.
+/// estimate_t.status. A slot that never ran has no valid estimate.
 std::int32_t estimate_status(pipeline::LifeCycle state) noexcept {
   switch (state) {
     case pipeline::LifeCycle::kActive:
@@ -59,8 +59,8 @@ void Telemetry::take(const pipeline::Pipeline& pipeline) noexcept {
 void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool valid,
                                 std::int64_t utime) noexcept {
   if (arm == 0 && joints_ != nullptr)
-    tells_joints_ = gate.joint_velocity.size() > 0 || (tells_joints_ && !valid);
-  if (arm == 0 && tells_joints_) {
+    publishes_joints_ = gate.joint_velocity.size() > 0 || (publishes_joints_ && !valid);
+  if (arm == 0 && publishes_joints_) {
     std::fill_n(joints_->message.dq, 16, 0.0);
     std::copy_n(gate.joint_velocity.data(), gate.joint_velocity.size(), joints_->message.dq);
     joints_->publish(arm, valid, utime);

@@ -72,7 +72,7 @@ class Telemetry {
 
   std::vector<Command<twist_command_t>> commands_;             // by arm
   std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, if modelled
-  bool tells_joints_ = false;
+  bool publishes_joints_ = false;
   bus::HeaderStamper contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
       mesh_stamp_;
   bus::TypedPublisher<contacts_t> contacts_;

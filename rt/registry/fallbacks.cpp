@@ -80,7 +80,7 @@ UpdateResult SensorFallback::update(const sensing::Signals& signals,
       in_use_ = in_use_ || !is_plausible(contacts.contacts[i]);
     if (!in_use_) {
       unused_.count = 0;
-      second_->update(signals, unused_);
+      static_cast<void>(second_->update(signals, unused_));
       return first;
     }
   }

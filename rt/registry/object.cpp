@@ -72,7 +72,7 @@ void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
       const double bound = at_lower ? lower[axis] : upper[axis];
       const double end = at_lower ? selected.row(axis).minCoeff() : selected.row(axis).maxCoeff();
       if (std::abs(end - bound) <= kSmallShare * side) continue;
-      // The body goes on beyond the bound where the box would hold more without it.
+      // The body extends beyond the bound if the box holds more nodes without it.
       Eigen::Vector3d wider_lower = lower, wider_upper = upper;
       (at_lower ? wider_lower : wider_upper)[axis] =
           at_lower ? mesh.nodes.row(axis).minCoeff() : mesh.nodes.row(axis).maxCoeff();

@@ -19,9 +19,10 @@ math::Pose read_pose(const config::Node& node, const Eigen::Vector3d& middle_W) 
   }
   const Eigen::Vector3d eye =
       node.vector3({"eye", "m", "where it stands, in W"}, {-kFarthest, kFarthest});
-  const Eigen::Vector3d target =
-      node.vector3({"target", "m", "where it looks, in W; by default amid the object"},
-                   {-kFarthest, kFarthest}, middle_W);
+  const Eigen::Vector3d target = node.vector3(
+      {"target", "m",
+       "Point that the camera is directed at, in W; default: the middle of the object"},
+      {-kFarthest, kFarthest}, middle_W);
   try {
     return draw::look_at(eye, target, Eigen::Vector3d::UnitZ());
   } catch (const std::invalid_argument&) {

@@ -158,7 +158,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "palpate-sim simulates arm, hand, soft object and sensors, and speaks the channels that "
+      "palpate-sim simulates arm, hand, soft object and sensors, and publishes the channels that "
       "real\n"
       "hardware would.");
   Options options;

@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   emulate->add_flag("--extended", emulation.extended, "Forces of up to 2 N with shear too");
   emulate->add_option("--most", emulation.most, "Stop after so many trials")
       ->check(CLI::Range(1, 1000000));
-  emulate->add_flag("--resume", emulation.resume, "Go on behind the trials that the CSV holds");
+  emulate->add_flag("--resume", emulation.resume, "Continue after the last trial in the CSV");
 
   CLI::App* localise = app.add_subcommand(
       "localise", "Errors of the classical localisation on a CSV collection, where |F| > 0.5 N");

@@ -103,7 +103,7 @@ std::vector<Channel> channels_of(const std::string& path,
     daemon.tick(now);
   }
 
-  std::vector<Channel> channels, spoken;
+  std::vector<Channel> channels, sent;
   for (Line& line : lines) {
     std::map<std::string, bool> subscribed;
     for (const bus::Subscription* subscription : line.bus->subscriptions()) {
@@ -114,17 +114,17 @@ std::vector<Channel> channels_of(const std::string& path,
     }
     for (const auto& [name, heard] : line.listener.heard()) {
       if (subscribed.count(name) != 0) continue;  // messages that were received, not published
-      spoken.push_back(described(name, heard.type, line.url));
-      spoken.back().rate = heard.messages / kCounted;
+      sent.push_back(described(name, heard.type, line.url));
+      sent.back().rate = heard.messages / kCounted;
     }
   }
-  channels.insert(channels.end(), spoken.begin(), spoken.end());
+  channels.insert(channels.end(), sent.begin(), sent.end());
   return channels;
 }
 
 void print(const std::vector<Channel>& channels, std::ostream& out) {
   for (const bool is_heard : {true, false}) {
-    out << (is_heard ? "palpated hears\n" : "palpated speaks\n");
+    out << (is_heard ? "palpated receives\n" : "palpated publishes\n");
     for (const Channel& channel : channels) {
       if (channel.is_heard != is_heard) continue;
       out << "  " << std::left << std::setw(24) << channel.name << std::setw(26) << channel.type;
@@ -146,7 +146,7 @@ nlohmann::json to_json(const std::vector<Channel>& channels) {
     list.push_back({{"channel", channel.name},
                     {"type", channel.type},
                     {"url", channel.url},
-                    {"direction", channel.is_heard ? "heard" : "spoken"},
+                    {"direction", channel.is_heard ? "received" : "published"},
                     {"about", channel.about}});
     list.back()["rate_hz"] =
         channel.is_heard ? nlohmann::json(nullptr) : nlohmann::json(channel.rate);

@@ -34,7 +34,7 @@ Findings check_configuration(const std::string& path, const std::vector<std::str
     return findings;
   } catch (const std::exception& error) {
     return {fail("configuration", error.what(), "palpated does not start with it",
-                 "mend what is named; rt/config/examples show every key")};
+                 "correct the named key; rt/config/examples show every key")};
   }
 }
 

@@ -28,7 +28,7 @@ void print(const Findings& findings, bool colours, bool only_bad, std::ostream& 
         << finding.found << '\n';
     if (!finding.why.empty()) out << "      why:  " << finding.why << '\n';
     std::istringstream remedy(finding.remedy);
-    for (std::string line; std::getline(remedy, line);) out << "      mend: " << line << '\n';
+    for (std::string line; std::getline(remedy, line);) out << "      fix: " << line << '\n';
   }
 }
 

@@ -31,7 +31,7 @@ constexpr char kHelp[] =
     "memory, frequency, idle states, isolation, clock, instructions; socket buffer, multicast\n"
     "route, ttl, who listens and loses, other daemons; LCM, Java, disk; and with --config whether\n"
     "palpated would take that, with every mesh and model that it names. Of each it says ok, warn\n"
-    "or fail, why it matters, and the command that mends it. It changes nothing.";
+    "or fail, why it matters, and the command that fixes it. It changes nothing.";
 constexpr char kExamples[] =
     "Examples:\n"
     "  palpate-doctor\n"

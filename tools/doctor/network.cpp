@@ -117,7 +117,7 @@ Finding check_listeners(const Machine& machine, const std::string& check, const 
                 "kill -CONT " + stopped + "   # or, to end it: kill -KILL " + stopped);
   if (!losing.empty())
     return warn(
-        check, losing + "for want of room in the socket",
+        check, losing + "because the socket buffer is full",
         "what a listener loses it does not know of",
         "sudo sysctl -w net.core.rmem_max=" + std::to_string(kBuffer) + "   # then restart it");
   return ok(check, text);

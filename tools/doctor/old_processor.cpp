@@ -13,7 +13,7 @@ namespace {
     return;
   constexpr char kWords[] =
       "fail  cpu  lacks avx2, fma or bmi2: programs built for x86-64-v3 end with SIGILL here\n"
-      "      mend: cmake --preset release -DPALPATE_MARCH=x86-64 && cmake --build build/release\n";
+      "      fix: cmake --preset release -DPALPATE_MARCH=x86-64 && cmake --build build/release\n";
   const ssize_t ignored = write(STDOUT_FILENO, kWords, sizeof(kWords) - 1);
   _exit(ignored > 0 ? 1 : 2);
 }

@@ -130,7 +130,7 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_flag("--details", options.details,
                "Every fit's parameters, series and what is undetermined");
-  app.add_flag("--resume", options.resume, "Go on from the checkpoint in --output");
+  app.add_flag("--resume", options.resume, "Continue from the checkpoint in --output");
   app.add_flag("--check-gradients", options.check_gradients,
                "Compare derivatives with Ridders' differences; above 1e-6 is an error");
   app.add_flag("--numeric", options.numeric,

@@ -71,7 +71,7 @@ int convert_file(const FileOptions& options) {
   outcome.faults = find_faults(read);
   if (has_errors(outcome.faults)) {
     const int code = give_up(read, outcome, options);
-    std::cerr << "palpate-mesh repair mends much of this\n";
+    std::cerr << "palpate-mesh repair corrects many of these\n";
     return code;
   }
   write_volume(read, options.output.file, options.output.format());
@@ -146,7 +146,7 @@ void add_file_commands(CLI::App& app, int& code) {
   add(app, code, "convert", "Writes a mesh in another format; broken ones are refused",
       convert_file);
   auto [repair, options] =
-      add(app, code, "repair", "Mends a mesh or a surface and says what was done, or refuses it",
+      add(app, code, "repair", "Repairs a mesh or a surface and reports the changes, or rejects it",
           repair_file);
   repair
       ->add_option("--merge-tolerance", options->merge_tolerance,

@@ -215,7 +215,7 @@ Plan read_plan(const config::Node& node) {
   Plan plan;
   plan.name = node.text({"name", "", "of the model and its files"});
   plan.start_from =
-      node.text({"start_from", "", "module that the training goes on from; absent: none"}, "");
+      node.text({"start_from", "", "Module from which the training continues; absent: none"}, "");
   plan.data = read_data(node.child({"data", "", "recordings and their columns"}));
   plan.network = read_network(node.child({"network", "", "what is trained"}));
   plan.training = read_training(node.child_or_empty({"training", "", "how"}));

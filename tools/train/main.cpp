@@ -147,9 +147,9 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_option("--picture", options.picture, "PNG or SVG of curve and predictions");
   app.add_option("--start-from", options.start_from,
-                 "Module to go on from, in place of the plan's start_from")
+                 "Module from which the training continues, in place of the plan's start_from")
       ->check(CLI::ExistingFile);
-  app.add_flag("--resume", options.resume, "Go on from the checkpoint next to --output");
+  app.add_flag("--resume", options.resume, "Continue from the checkpoint next to --output");
   if (const auto code =
           config::parse(app, argc, argv, {{{78, "wrong plan"}}, {{"--out", "--output"}}}))
     return *code;

@@ -73,9 +73,9 @@ TEST_F(Doctor, ListsTheChannelsOfAConfigurationBeforeItRuns) {
     return nullptr;
   };
   EXPECT_EQ(channel("FT_WRENCH")["type"], "ft_wrench_t");
-  EXPECT_EQ(channel("FT_WRENCH")["direction"], "heard");
+  EXPECT_EQ(channel("FT_WRENCH")["direction"], "received");
   EXPECT_EQ(channel("FT_WRENCH")["url"], urls_[0].text());
-  EXPECT_EQ(channel("TWIST_COMMAND")["direction"], "spoken");
+  EXPECT_EQ(channel("TWIST_COMMAND")["direction"], "published");
   EXPECT_NEAR(channel("TWIST_COMMAND")["rate_hz"], 1000, 2);
   EXPECT_NEAR(channel("SHAPE")["rate_hz"], 100, 1);
   EXPECT_NEAR(channel("HEALTH")["rate_hz"], 10, 1);

@@ -118,11 +118,11 @@ HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::s
     if (!math::is_unit_quaternion(state.quaternion) ||
         !Eigen::Map<const Eigen::Vector3d>(state.position).allFinite())
       throw std::runtime_error(log + ": ROBOT_STATE " + std::to_string(state.seq) +
-                               " holds no pose; mend the driver or cut the log");
+                               " holds no pose; correct the driver or cut the log");
   for (const ft_wrench_t& wrench : messages.wrenches)
     if (!Eigen::Map<const math::Vector6d>(wrench.wrench).allFinite())
       throw std::runtime_error(log + ": FT_WRENCH " + std::to_string(wrench.seq) +
-                               " is not finite; mend the driver or cut the log");
+                               " is not finite; correct the driver or cut the log");
   constexpr std::int64_t kLongest = 86'400'000'000;  // us
   const std::int64_t end = std::max(messages.robot.back().utime, messages.wrenches.back().utime);
   messages.begin = std::max(messages.robot[0].utime, messages.wrenches[0].utime);

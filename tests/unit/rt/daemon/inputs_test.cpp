@@ -151,7 +151,7 @@ TEST_F(InputsTest, ASenderThatRestartsIsReportedOnce) {
     bus::set_time(*hub_, now_ns);
     bus::TypedPublisher<imu_t>(*sender_, "IMU_1").publish(message);
     inputs.read(now_ns, 1e-3);
-    return inputs.any_began_anew();
+    return inputs.any_session_restarted();
   };
   EXPECT_FALSE(read(5, 70, 1'000'000)) << "the first is no restart";
   EXPECT_FALSE(read(5, 71, 2'000'000));

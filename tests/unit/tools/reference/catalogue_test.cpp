@@ -29,11 +29,11 @@ const Parameter& parameter(const std::vector<Section>& sections, const std::stri
   for (const Section& section : sections)
     for (const Parameter& known : section.parameters)
       if (section.path == path && known.name == name) return known;
-  ADD_FAILURE() << path << "." << name << " is not told";
+  ADD_FAILURE() << path << "." << name << " is not in the catalogue";
   return kNone;
 }
 
-TEST(Catalogue, TellsWithWhichChoiceAKeyIsRead) {
+TEST(Catalogue, StatesWithWhichChoiceAKeyIsRead) {
   const std::vector<Section> sections =
       merge({read("parts: [{component: a}, {component: b, gain: 1}]"),
              read("parts: [{component: a, limit: 1}]")});
@@ -51,7 +51,7 @@ TEST(Catalogue, TellsWithWhichChoiceAKeyIsRead) {
   EXPECT_TRUE(undescribed(sections).empty());
 }
 
-TEST(Catalogue, NamesWhatNobodyTellsTheMeaningOf) {
+TEST(Catalogue, NamesKeysWithoutDescription) {
   const config::Node root = config::Node::from_text("a: {b: 1}", "t.yaml");
   Declarations declarations;
   {

@@ -80,7 +80,7 @@ UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
         options_.hand ? follower_.X_OG(g) : elasticity::grasp_pose(body, g, model.positions());
     estimate.reaction[g] = model.reaction(g);
   }
-  tell(estimate);
+  report(estimate);
   const UpdateResult step = step_watch_.judge(estimate.step, dt);
   return step.is_ok() ? result : step;
 }

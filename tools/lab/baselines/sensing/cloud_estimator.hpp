@@ -48,7 +48,7 @@ class CloudEstimator : public estimation::Estimator {
   virtual elasticity::StepReport advance(double dt, const estimation::EstimationInputs& inputs,
                                          elasticity::DeformationModel& model) noexcept = 0;
   /// Called after each tick; writes estimates other than the shape.
-  virtual void tell(estimation::Estimate& estimate) noexcept { static_cast<void>(estimate); }
+  virtual void report(estimation::Estimate& estimate) noexcept { static_cast<void>(estimate); }
 
   const CloudMatches& matches() const noexcept { return matches_; }
   bool uses_hand() const noexcept { return options_.hand; }

@@ -71,7 +71,7 @@ void EulerBernoulliFit::judge(const Parameters& p, Own& residuals) const noexcep
   residuals[4] = p[4] / log_deviation_;
 }
 
-void EulerBernoulliFit::tell(estimation::Estimate& estimate) noexcept {
+void EulerBernoulliFit::report(estimation::Estimate& estimate) noexcept {
   estimate.log_young_modulus = std::log(young_modulus());
 }
 

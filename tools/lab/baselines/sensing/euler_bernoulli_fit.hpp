@@ -34,7 +34,7 @@ class EulerBernoulliFit final : public CurveFit {
   static constexpr int kSteps = 24;  // integration steps along the bar
   void draw(const Parameters& parameters, Eigen::Matrix3Xd& shape) const noexcept override;
   void judge(const Parameters& parameters, Own& residuals) const noexcept override;
-  void tell(estimation::Estimate& estimate) noexcept override;
+  void report(estimation::Estimate& estimate) noexcept override;
 
   double nominal_young_, log_deviation_;
   double end_deviation_;    // standard deviation of the parameters of end loads

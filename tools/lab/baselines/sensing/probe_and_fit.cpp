@@ -102,7 +102,7 @@ elasticity::StepReport ProbeAndFit::advance(double dt, const estimation::Estimat
   return model.step(dt);
 }
 
-void ProbeAndFit::tell(estimation::Estimate& estimate) noexcept {
+void ProbeAndFit::report(estimation::Estimate& estimate) noexcept {
   const double k = std::exp(found_[0]);
   for (math::Wrench& reaction : estimate.reaction)
     reaction = math::Wrench::from(k * reaction.vector());

@@ -47,7 +47,7 @@ class ProbeAndFit final : public CloudEstimator {
   void take(elasticity::DeformationModel& model) noexcept override;
   elasticity::StepReport advance(double dt, const estimation::EstimationInputs& inputs,
                                  elasticity::DeformationModel& model) noexcept override;
-  void tell(estimation::Estimate& estimate) noexcept override;
+  void report(estimation::Estimate& estimate) noexcept override;
   void add(const Eigen::Vector2d& slope, double residual, double deviation) noexcept;
   void add_wrench(int grasp, const estimation::GraspInput& input,
                   const elasticity::DeformationModel& model) noexcept;

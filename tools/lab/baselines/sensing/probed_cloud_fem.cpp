@@ -22,7 +22,7 @@ ProbedCloudFem::ProbedCloudFem(const elasticity::Body& body, const mesh::Surface
   if (!(options.stiffness > 0) || !(options.damping >= 0))
     throw std::invalid_argument("springs of a cloud want stiffness > 0 and damping >= 0");
   if (!(options.probing > 0) || !(options.force > 0))
-    throw std::invalid_argument("probing wants time and a force that tells, both above zero");
+    throw std::invalid_argument("duration and force of probing must be above zero");
   if (!options.hand) throw std::invalid_argument("where the probe pushes has to be known");
 }
 
@@ -71,7 +71,7 @@ elasticity::StepReport ProbedCloudFem::advance(double dt,
   return model.step(dt);
 }
 
-void ProbedCloudFem::tell(estimation::Estimate& estimate) noexcept {
+void ProbedCloudFem::report(estimation::Estimate& estimate) noexcept {
   for (math::Wrench& reaction : estimate.reaction)
     reaction = math::Wrench::from(found_ * reaction.vector());
   estimate.log_young_modulus = nominal_log_young_ + std::log(found_);

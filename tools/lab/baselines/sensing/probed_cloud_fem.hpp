@@ -38,7 +38,7 @@ class ProbedCloudFem final : public CloudEstimator {
   void begin(const Eigen::Matrix3Xd& positions) noexcept override;
   elasticity::StepReport advance(double dt, const estimation::EstimationInputs& inputs,
                                  elasticity::DeformationModel& model) noexcept override;
-  void tell(estimation::Estimate& estimate) noexcept override;
+  void report(estimation::Estimate& estimate) noexcept override;
   void compare_forces(const estimation::EstimationInputs& inputs,
                       const elasticity::DeformationModel& model) noexcept;
 
