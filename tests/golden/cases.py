@@ -64,7 +64,7 @@ CASES = {
         daemon=(FILTER, "control.command=joint_velocity", "robot={urdf: {lwr_hand.urdf}, flange: flange}")),
     "poke": Case("bar_long_soft_poke", "bar_long_soft", 9.5,
         "a push that nothing measures, and after it", daemon=(FILTER,)),
-    "sighted": Case("bar_long_soft_control_sighted", "bar_long_soft", 4,
+    "camera": Case("bar_long_soft_control_camera", "bar_long_soft", 4,
         "quadratic program before a camera that is covered for a while", target=LIFTED,
         daemon=PROGRAM, simulator=(EYE, CAMERA)),
     "tactile": Case("cube_hard_tactile", "cube_hard_tactile", 7,

@@ -54,7 +54,7 @@ YAML::Node intervals(const std::vector<recordings::Interval>& list) {
 YAML::Node to_yaml(const Method& method, const std::vector<recordings::ColumnGroup>& outputs) {
   YAML::Node node;
   node["method"] = method.name;
-  if (method.tared) node["tared_anew"] = true;
+  if (method.tared) node["tared"] = true;
   node["rows"] = method.errors.rows;
   node["rms"] = flow(method.errors.rms);
   node["mean_absolute"] = flow(method.errors.mean_absolute);

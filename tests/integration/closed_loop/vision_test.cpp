@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kScene = "sim/scenes/bar_long_soft_control_sighted.yaml";
+constexpr const char* kScene = "sim/scenes/bar_long_soft_control_camera.yaml";
 constexpr const char* kBlindScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
