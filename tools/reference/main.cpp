@@ -30,10 +30,10 @@ constexpr const char* kHead =
     "`{position: ..., rpy_deg: [r, p, y]}`; files are relative to the file that names them.\n"
     "Parentheses before a description contain the choices with which a key is read.\n"
     "`palpate-reference your.yaml` prints the same for the components of one configuration.\n\n"
-    "Editors complete and check these files by the JSON Schemas in `schema` (installed in\n"
-    "`share/palpate/schema`; `palpate-reference --schema FOLDER` writes them). With\n"
+    "Editors complete and check these files by the JSON Schemas in `rt/config/schema` (installed in\n"
+    "`share/palpate/rt/config/schema`; `palpate-reference --schema FOLDER` writes them). With\n"
     "yaml-language-server the first line of a file selects its schema:\n"
-    "`# yaml-language-server: $schema=/usr/share/palpate/schema/configuration.json`, or\n"
+    "`# yaml-language-server: $schema=/usr/share/palpate/rt/config/schema/configuration.json`, or\n"
     "`scene.json`, `training.json`, `fit.json`.\n\n";
 
 constexpr const char* kDaemon =
@@ -181,7 +181,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md\n  "
-      "palpate-reference --schema schema");
+      "palpate-reference --schema rt/config/schema");
   if (const auto code = config::parse(
           app, argc, argv,
           {{{1, "an error, or a parameter without a meaning"}, {78, "wrong configuration"}}}))

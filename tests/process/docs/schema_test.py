@@ -84,12 +84,12 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([programs / "palpate-reference", "--schema", folder], check=True, timeout=300)
         names = sorted(path.name for path in pathlib.Path(folder).iterdir())
-        if names != sorted(path.name for path in (root / "schema").iterdir()):
+        if names != sorted(path.name for path in (root / "rt/config/schema").iterdir()):
             failures.append(f"schema contains other files than {names}")
         for name in names:
-            if not (root / "schema" / name).is_file() or not filecmp.cmp(root / "schema" / name,
+            if not (root / "rt/config/schema" / name).is_file() or not filecmp.cmp(root / "rt/config/schema" / name,
                                                                          pathlib.Path(folder) / name, shallow=False):
-                failures.append(f"schema/{name} is not current; run: palpate-reference --schema schema")
+                failures.append(f"rt/config/schema/{name} is not current; run: palpate-reference --schema rt/config/schema")
         schemas = {kind: yaml.safe_load((pathlib.Path(folder) / f"{kind}.json").read_text()) for kind in KINDS}
     validators = {}
     for kind, schema in schemas.items():
@@ -104,8 +104,8 @@ def main():
             selected = re.match(r"# yaml-language-server: \$schema=(\S+)$", path.read_text(), re.M)
             if not selected:
                 failures.append(f"{path.relative_to(root)}: its first line selects no schema")
-            elif "share/palpate" not in selected[1] and (path.parent / selected[1]).resolve() != (root / "schema" / f"{kind}.json").resolve():
-                failures.append(f"{path.relative_to(root)}: {selected[1]} is not schema/{kind}.json")
+            elif "share/palpate" not in selected[1] and (path.parent / selected[1]).resolve() != (root / "rt/config/schema" / f"{kind}.json").resolve():
+                failures.append(f"{path.relative_to(root)}: {selected[1]} is not rt/config/schema/{kind}.json")
     for kind, name, changes, expected in WRONG:
         found = messages(validators[kind], changed(read(name), changes))
         if not any(re.search(expected, message) for message in found):
