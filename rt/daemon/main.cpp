@@ -191,7 +191,7 @@ void end_if_hung(const PluginWatchdog& watchdog) {
   if (watchdog.hung() == nullptr) return;
   spdlog::error("{} has not returned from a call in the loop: zero command, palpated ends",
                 watchdog.hung());
-  std::_Exit(palpate::daemon::end_log(palpate::config::kExitHung));
+  std::_Exit(end_log(palpate::config::kExitHung));
 }
 
 /// `has_plugins`: whether a watchdog is needed.
