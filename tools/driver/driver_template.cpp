@@ -19,6 +19,7 @@
 namespace {
 
 namespace bus = palpate::bus;
+namespace channel = palpate::channel;
 namespace driver = palpate::driver;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as times of arrival
 using palpate::kinematics::SerialChain;
