@@ -2,6 +2,7 @@
 
 #include "tools/lab/studies/study_plan.hpp"
 #include "tools/reference/catalogue.hpp"
+#include "tools/reference/markdown.hpp"
 
 namespace palpate::studies {
 namespace {
