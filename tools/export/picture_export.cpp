@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "sim/draw/image.hpp"
-#include "sim/draw/image.hpp"
 #include "tools/common/process.hpp"
 #include "tools/common/table.hpp"
 

@@ -62,5 +62,4 @@ std::unique_ptr<elasticity::CorotationalModel> make_model(const elasticity::Body
                                                           Mechanics mechanics,
                                                           const elasticity::SolverOptions& options);
 
-
 }  // namespace palpate::bench
