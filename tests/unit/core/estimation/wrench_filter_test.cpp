@@ -60,7 +60,7 @@ TEST(WrenchFilter, IsConsistentWithAWorldOfItsOwn) {
 /// The same with shape observations, and a random walk of virtual loads.
 TEST(WrenchFilter, IsConsistentWhileTheShapeIsSeen) {
   constexpr int kSeeds = 200, kSteps = 50, kPoints = 5;
-  constexpr double kNoise = 0.02, kDifference = 0.03;
+  constexpr double kNoise = 0.02, kPeriod = 0.03;
   const WrenchFilter::Options options;
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -73,10 +73,10 @@ TEST(WrenchFilter, IsConsistentWhileTheShapeIsSeen) {
     const WrenchFilter::Covariance prior = filter.covariance();
     WrenchFilter::Vector truth = drawn(prior, random);
     for (int step = 0; step < kSteps; ++step) {
-      const double kept = std::exp(-kDifference / options.memory);
-      filter.predict(kDifference);
+      const double kept = std::exp(-kPeriod / options.memory);
+      filter.predict(kPeriod);
       truth = kept * truth + std::sqrt(1 - kept * kept) * drawn(prior, random);
-      truth.segment<6>(filter.load()) += std::sqrt(2 * kDifference / options.load_memory) *
+      truth.segment<6>(filter.load()) += std::sqrt(2 * kPeriod / options.load_memory) *
                                          drawn(prior, random).segment<6>(filter.load());
       const int n = filter.shape_size();
       WrenchFilter::ShapeMatrix matrix = WrenchFilter::ShapeMatrix::Zero(n, n);

@@ -94,10 +94,10 @@ TEST(ShapeFields, MidsideNodesThatAreNotPublishedAreReconstructed) {
   log::MeshMessage box = tetrahedral_box(kSize, {4, 1, 1});
   box.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
   elasticity::Body body = body_of(box);
-  mesh::TetrahedralMesh corners;
-  corners.nodes = box.nodes;
-  corners.tetrahedra = box.elements;
-  body.mesh = mesh::make_element_mesh(corners, mesh::ElementOrder::kQuadratic);
+  mesh::TetrahedralMesh corner_mesh;
+  corner_mesh.nodes = box.nodes;
+  corner_mesh.tetrahedra = box.elements;
+  body.mesh = mesh::make_element_mesh(corner_mesh, mesh::ElementOrder::kQuadratic);
   body.fixed_nodes = mesh::nodes_in_box(body.mesh, {0, 0, 0}, {0, 1, 1});
   Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, body.mesh.node_count());
   for (Eigen::Index i = 0; i < box.nodes.cols(); ++i)
