@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <lcm/lcm-cpp.hpp>
 
 #include <cmath>
 #include <cstring>

@@ -126,8 +126,8 @@ void run(int pairs) {
       activated(plugin::guard(std::make_unique<Estimator>(), "estimator"));
   estimation::Estimate estimate;
   compare(
-      "estimator", pairs, [&] { estimator->update(inputs, *model, estimate); },
-      [&] { plugged_estimator->update(inputs, *model, estimate); });
+      "estimator", pairs, [&] { static_cast<void>(estimator->update(inputs, *model, estimate)); },
+      [&] { static_cast<void>(plugged_estimator->update(inputs, *model, estimate)); });
 
   shape::PointFeature feature(body.mesh, {{0.25, 0.03, 0.06}, {0, 1, 2}});
   const Eigen::VectorXd value = Eigen::VectorXd::Zero(3), target = Eigen::VectorXd::Ones(3) * 0.01,

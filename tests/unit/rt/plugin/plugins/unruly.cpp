@@ -29,7 +29,7 @@ struct Options {
   int after = 0;
 };
 
-config::OptionTable<Options> table() {
+[[maybe_unused]] config::OptionTable<Options> table() {
   std::vector<std::pair<std::string, std::string>> kinds;
   for (const char* kind :
        {"nothing", "throw", "throw_number", "allocate", "nan", "many", "bad_node", "bad_source",
@@ -246,11 +246,12 @@ std::unique_ptr<Component> make(const Options& options, const PluginCell&) {
   return std::make_unique<Component>(options);
 }
 
-std::unique_ptr<Feature> make_feature(const Options& options, const PluginCell& cell) {
+[[maybe_unused]] std::unique_ptr<Feature> make_feature(const Options& options,
+                                                       const PluginCell& cell) {
   return std::make_unique<Feature>(options, cell);
 }
 
-std::unique_ptr<Law> make_law(const Options& options, const PluginCell& cell) {
+[[maybe_unused]] std::unique_ptr<Law> make_law(const Options& options, const PluginCell& cell) {
   return std::make_unique<Law>(options, cell);
 }
 
