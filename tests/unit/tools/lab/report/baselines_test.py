@@ -213,17 +213,17 @@ class Components(unittest.TestCase):
     ROOT = HERE.parents[2]
 
     def sources(self):
-        """Headers below core/published_* by method."""
+        """Headers below tools/lab/baselines by method."""
         for name in ("published_control_methods.yaml", "published_sensing_pages.yaml"):
             for method, page in report_baselines.load(name)["methods"].items():
                 headers = [self.ROOT / source for source in page["source"].split(", ")
-                           if source.startswith("core/published_")]
+                           if source.startswith("tools/lab/baselines/")]
                 if headers and page["row"] != "ours":
                     yield method, headers
 
     def test_each_is_under_200_lines(self):
         headers = [h for folder in ("control", "sensing")
-                   for h in sorted((self.ROOT / f"core/published_{folder}").glob("*.hpp"))]
+                   for h in sorted((self.ROOT / f"tools/lab/baselines/{folder}").glob("*.hpp"))]
         self.assertGreater(len(headers), 35)
         for header in headers:
             self.assertLess(code_lines(header), 200, header.name)
