@@ -7,7 +7,7 @@ target_link_libraries(palpate_plugin INTERFACE Eigen3::Eigen)
 target_compile_features(palpate_plugin INTERFACE cxx_std_17)
 # host and library must agree on the alignment
 target_compile_definitions(palpate_plugin INTERFACE
-  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
+  $<INSTALL_INTERFACE:EIGEN_MALLOC_ALREADY_ALIGNED=0> EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
 # symbols of the library must not be merged with equally named ones of the host
 target_compile_options(palpate_plugin INTERFACE -fvisibility=hidden)
 target_link_options(palpate_plugin INTERFACE -Wl,-Bsymbolic)

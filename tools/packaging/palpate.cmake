@@ -25,8 +25,10 @@ target_compile_definitions(palpate_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
 if(PALPATE_MARCH)
   # Of this build alone: who uses find_package(palpate) chooses its own processor. EIGEN_MAX_ALIGN_BYTES above
-  # keeps Eigen's types the same on both sides.
+  # keeps Eigen's types the same on both sides; with AVX Eigen allocates otherwise than by malloc, and memory that
+  # one side allocates the other must be able to free.
   target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-march=${PALPATE_MARCH}>)
+  target_compile_definitions(palpate_flags INTERFACE $<INSTALL_INTERFACE:EIGEN_MALLOC_ALREADY_ALIGNED=0>)
 endif()
 if(PALPATE_SANITIZE)
   target_compile_options(palpate_flags INTERFACE -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer)

@@ -6,6 +6,7 @@ usage: schema_test.py ROOT BIN    the files in schema equal the output of palpat
 """
 import copy
 import filecmp
+import json
 import pathlib
 import re
 import subprocess
@@ -90,7 +91,7 @@ def main():
             if not (root / "rt/config/schema" / name).is_file() or not filecmp.cmp(root / "rt/config/schema" / name,
                                                                          pathlib.Path(folder) / name, shallow=False):
                 failures.append(f"rt/config/schema/{name} is not current; run: palpate-reference --schema rt/config/schema")
-        schemas = {kind: yaml.safe_load((pathlib.Path(folder) / f"{kind}.json").read_text()) for kind in KINDS}
+        schemas = {kind: json.loads((pathlib.Path(folder) / f"{kind}.json").read_text()) for kind in KINDS}
     validators = {}
     for kind, schema in schemas.items():
         jsonschema.Draft7Validator.check_schema(schema)

@@ -41,7 +41,7 @@ tasks:
 """
 METHODS = """
 kinematic: [control.provider=kinematic]
-rigidity: [control.provider=diminishing_rigidity]
+rigidity: [control.provider=diminishing_rigidity, "plugins=[{library: palpate-baselines.so}]"]
 never tuned: [control.provider=constant]
 """
 SENSING = """
@@ -122,7 +122,7 @@ class Tuning(unittest.TestCase):
         self.assertEqual([row for row in three if row["trial"] != "2"], two)
         self.assertEqual({row["method"] for row in three}, {"kinematic", "rigidity"})
         self.check_best("kinematic", ["control.provider=kinematic"])
-        self.check_best("rigidity", ["control.provider=diminishing_rigidity"])
+        self.check_best("rigidity", ["control.provider=diminishing_rigidity", "plugins=[{library: palpate-baselines.so}]"])
         self.assertEqual(self.tuned()["never tuned"], ["control.provider=constant"])
         for row in three:
             self.assertEqual((row["seed"], row["draw_seed"]), ("11", "5"))

@@ -3,9 +3,9 @@
 // and of the paired difference with its 95 % interval.
 //   bench_rt_plugin [PAIRS]
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <random>
 
@@ -13,6 +13,7 @@
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/shape/point_features.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/plugin/plugin_guards.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 #include "tools/common/bootstrap.hpp"
@@ -153,6 +154,10 @@ void run(int pairs) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  palpate::run(argc > 1 ? std::max(2, std::atoi(argv[1])) : 20000);
+  int pairs = 20000;
+  CLI::App app("Cost of a plugged-in model, estimator and law compared with the same built in.");
+  app.add_option("pairs", pairs, "Number of pairs of calls")->check(CLI::Range(2, 10000000));
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
+  palpate::run(pairs);
   return 0;
 }
