@@ -7,7 +7,11 @@ target_link_libraries(palpate_plugin INTERFACE Eigen3::Eigen)
 target_compile_features(palpate_plugin INTERFACE cxx_std_17)
 # host and library must agree on the alignment
 target_compile_definitions(palpate_plugin INTERFACE
-  $<INSTALL_INTERFACE:EIGEN_MALLOC_ALREADY_ALIGNED=0> EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
+  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
+# and on the allocation of memory that the other side frees: with AVX, as the host is compiled, it is Eigen's own
+if(PALPATE_MARCH AND NOT PALPATE_SANITIZE)
+  target_compile_definitions(palpate_plugin INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=0)
+endif()
 # symbols of the library must not be merged with equally named ones of the host
 target_compile_options(palpate_plugin INTERFACE -fvisibility=hidden)
 target_link_options(palpate_plugin INTERFACE -Wl,-Bsymbolic)
