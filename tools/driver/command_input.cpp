@@ -27,7 +27,7 @@ void CommandInput::drain(Channel<Message>& channel, Take take) {
     good_ns_ = arrival_ns;
     if (message.valid == 1) continue;
     command_.kind = Command::Kind::kStop;
-    ++told_to_rest_;
+    ++rest_commands_;
   }
 }
 

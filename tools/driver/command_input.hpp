@@ -38,7 +38,7 @@ class CommandInput {
   const Command& read(std::int64_t now_ns);
   Counts counts() const;
   /// Number of zero commands received from the daemon.
-  std::int64_t told_to_rest() const { return told_to_rest_; }
+  std::int64_t rest_commands() const { return rest_commands_; }
 
  private:
   template <class Message>
@@ -60,7 +60,7 @@ class CommandInput {
   Channel<joint_velocity_command_t> joints_;
   Command command_;
   std::int64_t good_ns_ = 0;
-  std::int64_t told_to_rest_ = 0;
+  std::int64_t rest_commands_ = 0;
   Counts counts_;
 };
 

@@ -85,13 +85,13 @@ class Telemetry {
 /// (palpate-command stop, then start): releasing the button does not request motion.
 class StopLatch {
  public:
-  /// Whether the arm must rest. `told_to_rest`: see CommandInput.
-  bool holds(bool stopped, std::int64_t told_to_rest) {
+  /// Whether the arm must rest. `rest_commands`: see CommandInput.
+  bool holds(bool stopped, std::int64_t rest_commands) {
     if (stopped) {
       if (!held_) std::fprintf(stderr, "emergency stop: rests until palpated is stopped\n");
       held_ = true;
-      before_ = told_to_rest;
-    } else if (held_ && told_to_rest > before_) {
+      before_ = rest_commands;
+    } else if (held_ && rest_commands > before_) {
       std::fprintf(stderr, "palpated has stopped: may move again\n");
       held_ = false;
     }
@@ -137,7 +137,7 @@ int run(Options options) {
     const driver::Command& wanted =
         input.read(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
     if (arm.read(state)) {
-      const bool held = latch.holds(state.stopped, input.told_to_rest());
+      const bool held = latch.holds(state.stopped, input.rest_commands());
       arm.command(guard.limit(held ? rest : wanted, state.q));
       telemetry.publish(state);
     } else {
@@ -150,7 +150,7 @@ int run(Options options) {
   arm.command(still);
   simulated = nullptr;
   const driver::Counts counts = input.counts();
-  std::printf("%lld obeyed, %lld refused, %lld rejected, %lld stops for want of commands\n",
+  std::printf("%lld obeyed, %lld refused, %lld rejected, %lld stops by the watchdog\n",
               static_cast<long long>(counts.obeyed), static_cast<long long>(counts.refused),
               static_cast<long long>(counts.rejected), static_cast<long long>(counts.silences));
   return 0;

@@ -166,7 +166,7 @@ void check_channel(const std::string& channel) {
     throw std::invalid_argument("channel '" + channel + "' must be 1 to 63 of A-Z, 0-9 and _");
 }
 
-/// All that a file lacks is one error, so that it is mended once.
+/// All that a file lacks is one error, so that it is corrected once.
 void require_columns(const recordings::CsvReader& csv, const ImportOptions& options) {
   std::vector<std::string> columns;
   if (options.rate <= 0) columns.push_back(options.time_column);
