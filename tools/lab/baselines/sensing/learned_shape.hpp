@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/step_watch.hpp"
 #include "tools/lab/baselines/sensing/shape_network.hpp"
@@ -64,5 +66,9 @@ class LearnedShape final : public estimation::Estimator {
   bool felt_ = false;
   estimation::StepGuard step_guard_;
 };
+
+/// Reads a model written by palpate-evaluate train-sensing, YAML. Throws config::Error with file
+/// and key.
+LearnedShape::Model read_learned_shape(const std::string& file);
 
 }  // namespace palpate::baselines

@@ -1,4 +1,4 @@
-#include "tools/lab/baselines/sensing/learned_shape_file.hpp"
+#include "tools/lab/baselines/sensing/learned_shape.hpp"
 
 #include "rt/config/node.hpp"
 

@@ -4,7 +4,7 @@
 #include "tools/lab/baselines/sensing/deformation_graph_fit.hpp"
 #include "tools/lab/baselines/sensing/euler_bernoulli_fit.hpp"
 #include "tools/lab/baselines/sensing/evolved_mass_spring.hpp"
-#include "tools/lab/baselines/sensing/learned_shape_file.hpp"
+#include "tools/lab/baselines/sensing/learned_shape.hpp"
 #include "tools/lab/baselines/sensing/mass_spring_em.hpp"
 #include "tools/lab/baselines/sensing/probe_and_fit.hpp"
 #include "tools/lab/baselines/sensing/probed_cloud_fem.hpp"
