@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Generates names and properties of the channels, for C++, Python and the documentation, from channels.csv.
+"""Generates names and properties of the channels, for C++, Python, Java and the documentation, from channels.csv.
 
-usage: generate_channels.py [--cpp FILE] [--python FILE] [--markdown FILE]
+usage: generate_channels.py [--cpp FILE] [--python FILE] [--java FILE] [--markdown FILE]
 
 Columns of channels.csv: number is "arm" for a channel that the second arm has as NAME_1, "finger" for NAME_0 to
 NAME_4; bus is the URL of three that carries the channel; signed is "yes" for messages that need an authentication
-code if a key is configured.
+code if a key is configured. The former versions of NAME_t, which logs may contain, are NAME_v1_t, NAME_v2_t, ...
 """
 
 from __future__ import annotations
@@ -39,6 +39,12 @@ def read_table() -> list[dict[str, str]]:
         if not (FOLDER / f"{row['type']}.lcm").is_file():
             raise ValueError(f"channels.csv:{line}: type: {row['type']} has no file in lcmtypes")
     return rows
+
+
+def former_types(kind: str) -> list[str]:
+    """Types that a channel of type `kind` had before, oldest first."""
+    stem = kind.removesuffix("_t")
+    return sorted(path.stem for path in FOLDER.glob(f"{stem}_v*_t.lcm") if re.fullmatch(rf"{stem}_v\d+_t", path.stem))
 
 
 def constant(name: str) -> str:
@@ -96,14 +102,43 @@ def python(rows: list[dict[str, str]]) -> str:
         "class Channel(NamedTuple):", "    name: str", "    type: Type[Any]",
         '    bus: str  # "control", "housekeeping" or "pictures"',
         '    number: str  # "": none; "arm": NAME_1 of a second arm; "finger": NAME_0 to NAME_4',
-        "    sender: str", "    receiver: str", "    is_signed: bool", "    content: str", "", "",
+        "    sender: str", "    receiver: str", "    is_signed: bool", "    content: str",
+        "    former: tuple[Type[Any], ...]  # types that the channel had before, oldest first", "", "",
         *(f'{row["channel"]} = "{row["channel"]}"' for row in rows), "", "CHANNELS: dict[str, Channel] = {",
     ]  # fmt: skip
     for row in rows:
         values = [f"messages.{row['type']}"] + [repr(row[c]) for c in ("bus", "number", "sender", "receiver")]
-        values += [str(row["signed"] == "yes"), repr(row["content"])]
+        former = "".join(f"messages.{kind}, " for kind in former_types(row["type"]))
+        values += [str(row["signed"] == "yes"), repr(row["content"]), f"({former.rstrip() if former else ''})"]
         lines.append(f"    {row['channel']}: Channel({row['channel']}, {', '.join(values)}),")
     return "\n".join([*lines, "}", ""])
+
+
+def java(rows: list[dict[str, str]]) -> str:
+    lines = [
+        "// Generated from lcmtypes/channels.csv.", "package palpate;", "",
+        "/** Names of the channels and their properties. */", "public final class Channels {", "  private Channels() {}", "",
+        "  public static final class Channel {", "    public final String name;", "    public final String type;",
+        "    /** control, housekeeping or pictures. */", "    public final String bus;",
+        "    /** arm: NAME_1 of a second arm; finger: NAME_0 to NAME_4; otherwise empty. */", "    public final String number;",
+        "    public final String content;", "",
+        "    Channel(String name, String type, String bus, String number, String content) {",
+        "      this.name = name;", "      this.type = type;", "      this.bus = bus;", "      this.number = number;",
+        "      this.content = content;", "    }", "  }", "",
+        *(f'  public static final String {row["channel"]} = "{row["channel"]}";' for row in rows), "",
+        "  /** Every channel, without the numbers of arms and fingers. */", "  public static final Channel[] ALL = {",
+    ]  # fmt: skip
+    for row in rows:
+        texts = ", ".join(f'"{row[column]}"' for column in ("type", "bus", "number", "content"))
+        lines.append(f"    new Channel({row['channel']}, {texts}),")
+    lines += [
+        "  };", "", "  /** Entry of a channel's name, with or without a number; null for a foreign channel. */",
+        "  public static Channel find(String name) {", '    String stem = name.replaceFirst("_[0-9]+$", "");',
+        "    for (Channel channel : ALL) {", "      if (channel.name.equals(name)) return channel;",
+        "      if (!channel.number.isEmpty() && channel.name.equals(stem)) return channel;", "    }", "    return null;",
+        "  }", "}", "",
+    ]  # fmt: skip
+    return "\n".join(lines)
 
 
 def fields(kind: str) -> list[tuple[str, str, str]]:
@@ -122,6 +157,12 @@ def fields(kind: str) -> list[tuple[str, str, str]]:
     return found
 
 
+def about(kind: str) -> str:
+    """Comment at the top of a type's file."""
+    text = (FOLDER / f"{kind}.lcm").read_text()
+    return " ".join(line[2:].strip() for line in text.split("package")[0].splitlines())
+
+
 def markdown(rows: list[dict[str, str]]) -> str:
     lines = [
         "# Channels and messages", "",
@@ -138,16 +179,17 @@ def markdown(rows: list[dict[str, str]]) -> str:
             f"{row['sender']} | {row['receiver']} | {row['signed']} | {row['content']} |"
         )
     for kind in sorted({row["type"] for row in rows}):
-        text = (FOLDER / f"{kind}.lcm").read_text()
-        about = " ".join(line[2:].strip() for line in text.split("package")[0].splitlines())
-        lines += ["", f"## {kind}", "", about, "", "| field | type | meaning |", "| --- | --- | --- |"]
+        lines += ["", f"## {kind}", "", about(kind), "", "| field | type | meaning |", "| --- | --- | --- |"]
         lines += [f"| `{name}` | {type_of} | {comment} |" for type_of, name, comment in fields(kind)]
+    lines += ["", "## Former types", "", "Read from logs only; never published.", "", "| type | content |", "| --- | --- |"]
+    for kind in sorted({former for row in rows for former in former_types(row["type"])}):
+        lines.append(f"| `{kind}` | {about(kind)} |")
     return "\n".join([*lines, ""])
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    makers = {"cpp": cpp, "python": python, "markdown": markdown}
+    makers = {"cpp": cpp, "python": python, "java": java, "markdown": markdown}
     for name in makers:
         parser.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"write the {name} file")
     options = vars(parser.parse_args())

@@ -1,7 +1,6 @@
 #include "core/contact/area_coordinates.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "core/math/option_check.hpp"
 
@@ -12,9 +11,8 @@ AreaCoordinates::AreaCoordinates(const mesh::ElementMesh& mesh, const mesh::Surf
     : collision_distance_(options.collision_distance),
       rest_positions_(mesh.nodes),
       triangles_(surface.triangles) {
-  math::check_option(options.collision_distance > 0, "collision_distance",
-                     options.collision_distance, "above 0");
-  if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
+  math::check_positive(options.collision_distance, "collision_distance");
+  math::check_option(triangles_.cols() > 0, "surface", triangles_.cols(), "at least one triangle");
   fixed_.reserve(options.fixed_rest_points.size());
   for (const Eigen::Vector3d& point : options.fixed_rest_points)
     fixed_.push_back(closest_point_on_surface(point, triangles_, rest_positions_));

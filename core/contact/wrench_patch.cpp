@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <stdexcept>
 
 #include "core/math/option_check.hpp"
 
@@ -41,10 +40,9 @@ WrenchPatch::WrenchPatch(const mesh::ElementMesh& mesh, const mesh::Surface& sur
       fixed_(!options.fixed_nodes.empty()),
       rest_positions_(mesh.nodes),
       triangles_(surface.triangles) {
-  math::check_option(options.radius > 0, "radius", options.radius, "above 0");
-  math::check_option(options.collision_distance > 0, "collision_distance",
-                     options.collision_distance, "above 0");
-  if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
+  math::check_positive(options.radius, "radius");
+  math::check_positive(options.collision_distance, "collision_distance");
+  math::check_option(triangles_.cols() > 0, "surface", triangles_.cols(), "at least one triangle");
 
   if (fixed_) reference_ = mesh::PointLocator(mesh).locate(options.fixed_reference);
 

@@ -1,13 +1,11 @@
 #include "core/control/jacobian_providers.hpp"
 
-#include <stdexcept>
+#include "core/math/option_check.hpp"
 
 namespace palpate::control {
 
 FemJacobian::FemJacobian(const Options& options) : options_(options) {
-  if (options.grasp < 0 || options.grasp > 1) {
-    throw std::invalid_argument("the grasp that moves must be 0 or 1");
-  }
+  math::check_option(options.grasp >= 0 && options.grasp <= 1, "grasp", options.grasp, "0, 1");
 }
 
 bool FemJacobian::update(const shape::Feature& feature, const elasticity::DeformationModel& model,

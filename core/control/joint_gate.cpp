@@ -1,9 +1,9 @@
 #include "core/control/joint_gate.hpp"
 
 #include <Eigen/Cholesky>
-#include <stdexcept>
 
 #include "core/control/control_law.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::control {
 namespace {
@@ -22,7 +22,7 @@ kinematics::SerialChain::Joints joints_for(const kinematics::SerialChain::Jacobi
 
 JointGate::JointGate(const JointLimits& limits) : limits_(limits) {
   limits.check();
-  if (limits.empty()) throw std::invalid_argument("a gate of joints needs their limits");
+  math::check_option(!limits.empty(), "limits", limits.count(), "those of at least one joint");
   last_ = Joints::Zero(limits.count());
 }
 

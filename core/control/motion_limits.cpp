@@ -33,54 +33,57 @@ struct MotionLimits::Rows {
 
 void JointLimits::check() const {
   const auto n = speed.size();
-  if (lower.size() != n || upper.size() != n || acceleration.size() != n)
-    throw std::invalid_argument("limits of joints: lists of different lengths");
-  if (!((upper - lower).array() > 0).all() || !(speed.array() > 0).all() ||
-      !(acceleration.array() > 0).all() || !(upper - lower).allFinite())
-    throw std::invalid_argument(
-        "limits of a joint: lower >= upper, or a speed or acceleration <= 0");
+  const std::string count = std::to_string(n) + ", as speed limits";
+  math::check_option(lower.size() == n, "lower limits of joints", lower.size(), count);
+  math::check_option(upper.size() == n, "upper limits of joints", upper.size(), count);
+  math::check_option(acceleration.size() == n, "acceleration limits of joints", acceleration.size(),
+                     count);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::string joint = "joint " + std::to_string(i) + ": ";
+    math::check_option(upper[i] - lower[i] > 0 && std::isfinite(upper[i] - lower[i]),
+                       joint + "lower limit", lower[i],
+                       "below the upper limit, " + std::to_string(upper[i]) + ", both finite");
+    math::check_positive(speed[i], joint + "speed limit");
+    math::check_positive(acceleration[i], joint + "acceleration limit");
+  }
 }
 
 MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,
                            const elasticity::Body* body)
     : options_(options), grasps_(std::move(grasps)) {
-  const auto positive = [](double value, const char* name) {
-    math::check_option(value > 0 && std::isfinite(value), name, value, "above 0");
-  };
-  const auto not_negative = [](double value, const char* name) {
-    math::check_option(value >= 0, name, value, "at least 0");
-  };
+  using math::check_not_negative;
+  using math::check_positive_finite;
   const auto fraction = [](double value, const char* name) {
     math::check_option(value >= 0 && value < 1, name, value, "0 to below 1");
   };
-  positive(options.linear_speed, "linear_speed");
-  positive(options.angular_speed, "angular_speed");
-  positive(options.linear_acceleration, "linear_acceleration");
-  positive(options.angular_acceleration, "angular_acceleration");
-  positive(options.force, "force");
-  positive(options.torque, "torque");
-  positive(options.damper, "damper");
-  positive(options.slip.friction, "slip.friction");
-  positive(options.slip.lever, "slip.lever");
-  positive(options.slip.width, "slip.width");
-  not_negative(options.slip.pinch, "slip.pinch");
-  not_negative(options.clearance, "clearance");
-  not_negative(options.clearance_deviations, "clearance_deviations");
-  not_negative(options.fallback_deviation, "fallback_deviation");
-  not_negative(options.pivot, "pivot");
+  check_positive_finite(options.linear_speed, "linear_speed");
+  check_positive_finite(options.angular_speed, "angular_speed");
+  check_positive_finite(options.linear_acceleration, "linear_acceleration");
+  check_positive_finite(options.angular_acceleration, "angular_acceleration");
+  check_positive_finite(options.force, "force");
+  check_positive_finite(options.torque, "torque");
+  check_positive_finite(options.damper, "damper");
+  check_positive_finite(options.slip.friction, "slip.friction");
+  check_positive_finite(options.slip.lever, "slip.lever");
+  check_positive_finite(options.slip.width, "slip.width");
+  check_not_negative(options.slip.pinch, "slip.pinch");
+  check_not_negative(options.clearance, "clearance");
+  check_not_negative(options.clearance_deviations, "clearance_deviations");
+  check_not_negative(options.fallback_deviation, "fallback_deviation");
+  check_not_negative(options.pivot, "pivot");
   fraction(options.slip.sticking, "slip.sticking");
-  if (!(options.slip.normal_G.norm() > 1e-6))
-    throw std::invalid_argument("the normal of a pinch must not be zero");
+  math::check_option(options.slip.normal_G.norm() > 1e-6, "slip.normal",
+                     options.slip.normal_G.transpose(), "a vector longer than 1e-6");
   options_.slip.normal_G.normalize();
-  if (!(options.workspace_lower.array() < options.workspace_upper.array()).all())
-    throw std::invalid_argument("the workspace of a motion is empty");
+  math::check_box(options.workspace_lower, options.workspace_upper, "workspace");
   math::check_option(options.obstacles.size() <= kMostObstacles, "obstacles",
                      options.obstacles.size(), "at most 4");
-  for (const Obstacle& obstacle : options.obstacles) positive(obstacle.radius, "obstacles.radius");
+  for (const Obstacle& obstacle : options.obstacles)
+    check_positive_finite(obstacle.radius, "obstacles.radius");
   math::check_option(!grasps_.empty() && grasps_.size() <= 2, "grasps", grasps_.size(), "1 or 2");
   options.joints.check();
-  if (!options.joints.empty() && grasps_.size() != 1)
-    throw std::invalid_argument("joints can be commanded of one arm, not of two at once");
+  math::check_option(options.joints.empty() || grasps_.size() == 1, "grasps", grasps_.size(),
+                     "1, where joints are commanded");
   math::check_option(options.stress >= 0 && std::isfinite(options.stress), "stress", options.stress,
                      "at least 0");
   math::check_option(
@@ -88,14 +91,14 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
       options.stretch, "above 1, or 0 for no limit");
   const bool strains = options.stress > 0 || options.stretch > 0;
   if ((strains || !options.obstacles.empty()) && body == nullptr)
-    throw std::invalid_argument("limits of stress and stretch and obstacles need an object");
+    throw std::invalid_argument(
+        "body: null; allowed: an object, where stress, stretch or obstacles are limited");
   fraction(options.strain_margin, "strain_margin");
   options_.stress *= 1 - options.strain_margin;
   if (options.stretch != 0)
     options_.stretch = 1 + (options.stretch - 1) * (1 - options.strain_margin);
   for (const std::optional<FlangeBox>& box : options.flange)
-    if (box && !(box->lower.array() < box->upper.array()).all())
-      throw std::invalid_argument("the workspace of a flange is empty");
+    if (box) math::check_box(box->lower, box->upper, "workspace of a flange");
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
   if (!options.obstacles.empty())

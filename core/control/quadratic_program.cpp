@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "core/control/control_law.hpp"
 #include "core/math/option_check.hpp"
@@ -52,9 +51,10 @@ QuadraticProgramLaw::QuadraticProgramLaw(const Options& options, const Limited& 
       limits_(limited.limits, limited.grasps, limited.body),
       program_(limits_.variables()),
       reach_(limits_.variables()) {
-  math::check_option(limited.smoothness >= 0, "smoothness", limited.smoothness, "at least 0");
-  if (static_cast<int>(limited.grasps.size()) != options.inverse.grasps)
-    throw std::invalid_argument("limits speak of other grasps than the control law");
+  math::check_not_negative(limited.smoothness, "smoothness");
+  math::check_option(static_cast<int>(limited.grasps.size()) == options.inverse.grasps, "grasps",
+                     limited.grasps.size(),
+                     std::to_string(options.inverse.grasps) + ", as the control law moves");
   before_ = PseudoInverse::Motion::Zero(6 * options.inverse.grasps);
   variables_ = MotionLimits::Variables::Zero(limits_.variables());
   map_.setZero(before_.size(), variables_.size());

@@ -1,7 +1,6 @@
 #include "core/control/safety_gate.hpp"
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "core/control/control_law.hpp"
@@ -48,10 +47,9 @@ SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
   check(limits.angular_acceleration, "gate.angular_acceleration");
   check(limits.force, "gate.force");
   check(limits.torque, "gate.torque");
-  if (!limits.workspace_lower.allFinite() || !limits.workspace_upper.allFinite() ||
-      !(limits.workspace_lower.array() < limits.workspace_upper.array()).all()) {
-    throw std::invalid_argument("workspace of the gate is empty or not finite");
-  }
+  math::check_all_finite(limits.workspace_lower, "gate.workspace.lower");
+  math::check_all_finite(limits.workspace_upper, "gate.workspace.upper");
+  math::check_box(limits.workspace_lower, limits.workspace_upper, "gate.workspace");
 }
 
 GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {

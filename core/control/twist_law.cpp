@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <stdexcept>
 
 #include "core/math/constants.hpp"
 #include "core/math/dual_quaternion.hpp"
@@ -33,7 +32,7 @@ TwistLaw::TwistLaw(const Options& options)
     : options_(options), inverse_(options.inverse), dead_band_(options.dead_band) {
   const auto check = [](double value, double least, const char* name) {
     const std::string allowed = "at least " + std::to_string(least) + ", below 1e6";
-    math::check_option(value >= least && value < 1e6, name, value, allowed.c_str());
+    math::check_option(value >= least && value < 1e6, name, value, allowed);
   };
   check(options.gain, 1e-6, "gain");
   check(options.linear_speed, 1e-6, "linear_speed");
@@ -101,9 +100,7 @@ bool TwistLaw::rests(const Eigen::VectorXd& reachable) noexcept {
 }
 
 void DualQuaternion::configure_for(const shape::Feature& feature) {
-  if (std::strcmp(feature.kind(), "pose") != 0) {
-    throw std::invalid_argument("the law dual_quaternion steers pose features only");
-  }
+  math::check_option(std::strcmp(feature.kind(), "pose") == 0, "feature", feature.kind(), "pose");
   TwistLaw::configure_for(feature);
 }
 

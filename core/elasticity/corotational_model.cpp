@@ -1,9 +1,6 @@
 #include "core/elasticity/corotational_model.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "core/math/option_check.hpp"
@@ -12,45 +9,28 @@ namespace palpate::elasticity {
 namespace {
 
 using Eigen::Matrix3Xd;
-using Eigen::Vector3d;
 
-const Body& checked(const Body& body) {
-  body.check();
-  return body;
-}
-
-std::vector<int> elimination_numbering(const factor::BlockPattern& pattern) {
-  std::vector<int> numbering(pattern.node_count());
-  int next = pattern.size();
-  for (int node = 0; node < pattern.node_count(); ++node) {
-    numbering[node] = pattern.unknown(node) >= 0 ? pattern.unknown(node) : next++;
-  }
-  return numbering;
-}
+// Steps between checks of the node rotations, which change by a few hundredths of a radian in
+// between; the sensitivity is rotated piecewise in these steps.
+constexpr int kLookPeriod = 4;
+constexpr int kTanglePeriod = 16;   // steps between checks for inverted elements
+constexpr int kMeasurePeriod = 10;  // steps between measurements of the contraction of corrections
 
 }  // namespace
 
 CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Mechanics mechanics)
-    : body_(checked(body)),
-      options_(options),
+    : options_(options),
       dynamic_(mechanics == Mechanics::kDynamic),
-      elements_(body_),
-      pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
-      supernodes_(pattern_),
-      numbering_(elimination_numbering(pattern_)),
-      element_forces_(make_element_forces(body_.mesh, elements_.materials(), numbering_,
-                                          options.precision, team())),
-      rounding_(options.precision == Precision::kSingle ? 1e-6 : 1e-12),
-      gravity_(body_.gravity_O),
-      positions_(body_.mesh.nodes),
-      correction_(Eigen::VectorXf::Zero(3 * pattern_.size())),
-      step_taken_(correction_),
-      force_change_(correction_),
-      secants_(3 * pattern_.size()),
-      warp_(pattern_.size()),
-      factor_(supernodes_, options.panels, team()),
-      job_(body_, elements_, supernodes_, options.panels, team()),
-      blend_(body_) {
+      body_(std::move(body)),
+      boundary_(body_),
+      motion_(body_, dynamic_),
+      potential_(body_, options_, dynamic_),
+      factor_(body_, options_),
+      corrections_(body_, boundary_, potential_, factor_, options_),
+      recovery_(body_, boundary_, potential_),
+      sensitivity_(body_, boundary_, factor_.warp()),
+      x_corrected_(body_.rest),
+      job_(body_, options_) {
   using math::check_option;
   check_option(options.iterations >= 1, "iterations", options.iterations, "at least 1");
   check_option(options.halvings >= 0, "halvings", options.halvings, "at least 0");
@@ -62,238 +42,206 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
   check_option(options.budget >= 0, "budget", options.budget, "at least 0");
   check_option(options.refine >= 0, "refine", options.refine, "at least 0");
   if (!dynamic_ && options.refine > 0) {
-    tangent_.emplace(body_, elements_.materials(), numbering_, options.precision);
+    refinement_.emplace(body_, boundary_, factor_, sensitivity_, options.precision);
   }
-  if (dynamic_) inertia_.emplace(elements_, numbering_, team());
-  const int n = body_.mesh.node_count();
-  loads_ = velocities_ = Matrix3Xd::Zero(3, n);
-  for (NodalField* m :
-       {&weight_per_gravity_, &rest_, &external_, &v_, &prediction_error_, &column_, &x_inertial_,
-        &x_expected_, &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
-    m->setZero(4, n);
-  }
-  for (int node = 0; node < n; ++node) {
-    rest_.col(numbering_[node]).head<3>() = body_.mesh.nodes.col(node);
-    weight_per_gravity_.col(numbering_[node]).setConstant(elements_.nodal_mass()(node));
-  }
-  weight_per_gravity_.row(3).setZero();
-  x_ = x_begin_ = rest_;
-  rotations_.setZero(4, n);
-  rotations_.row(0).setOnes();
-  factor_.rotations = job_.factor.rotations = rotations_;
-  sensitivity_.resize(n);
-  at_snapshot_.resize(n);
-}
-
-StepFactors CorotationalModel::step_factors(double dt) const noexcept {
-  if (!dynamic_) return {};
-  return {1 / (dt * dt) + body_.damping.mass_factor / dt, body_.damping.stiffness_factor / dt};
 }
 
 void CorotationalModel::prepare() {
   reset();
-  gravity_ = body_.gravity_O;
-  step_ = step_factors(options_.time_step);
+  boundary_.set_gravity(body_.body.gravity_O);
+  potential_.set_time_step(options_.time_step);
   outstanding_ = false;
-  wanted_ = true;
   Refactorisation* job = wanted_refactorisation();
   job->run();
   install(*job);
 }
 
 void CorotationalModel::reset() noexcept {
-  x_ = rest_;
-  v_.setZero();
-  prediction_error_.setZero();
-  reach_ = kFar;
-  loads_.setZero();
-  forces_.setZero();
-  elastic_ = 0;
-  held_ = {false, false};
-  element_forces_->reset();
-  rotations_.setZero();
-  rotations_.row(0).setOnes();
-  warp_.update(rotations_, factor_.rotations);
-  sensitivity_.valid = at_snapshot_.valid = false;
-  secants_.clear();
-  suspect_count_ = 0;
-  inverted_ = torn_ = false;
-  wanted_ = true;
-  publish();
+  boundary_.clear();
+  motion_.reset();
+  potential_.reset();
+  factor_.reset();
+  corrections_.forget_failures();
+  sensitivity_.invalidate();
+  recovery_.forget();
 }
 
 void CorotationalModel::hold(int grasp, const math::Pose& X_OG) noexcept {
-  Grasp& g = grasps_[grasp];
-  g.target = X_OG;
-  if (held_[grasp]) return;
-  held_[grasp] = true;
-  g.applied = grasp_pose(body_, grasp, positions_);
-  sensitivity_.valid = at_snapshot_.valid = false;
-  secants_.clear();
-  contraction_ = 1;
-  wanted_ = true;
+  if (boundary_.hold(grasp, X_OG, motion_.positions())) grasps_have_changed();
 }
 
 void CorotationalModel::release(int grasp) noexcept {
-  if (!held_[grasp]) return;
-  held_[grasp] = false;
-  sensitivity_.valid = at_snapshot_.valid = false;
-  secants_.clear();
-  contraction_ = 1;
-  wanted_ = true;
+  if (boundary_.release(grasp)) grasps_have_changed();
 }
 
-void CorotationalModel::watch_contact(int slot, const mesh::PointWeights& point) noexcept {
-  contacts_[slot] = point;
-  wanted_ = true;
-}
-
-void CorotationalModel::follow_rotations() noexcept {
-  element_forces_->node_rotations(rotations_);
-  warp_.update(rotations_, factor_.rotations);
-  if (warp_.largest() > options_.turned) wanted_ = true;
-}
-
-void CorotationalModel::turn_sensitivity(int begin, int end) noexcept {
-  if (!at_snapshot_.valid) return;
-  Turned turned{warp_, numbering_};
-  for (int g = 0; g < 2; ++g) {
-    turned.is_held[g] = held_[g];
-    turned.grasps[g] = grasps_[g].applied.linear() * grasps_[g].snapshot.linear().transpose();
-  }
-  for (int c = 0; c < kContactSlots; ++c) {
-    // the node with the largest weight determines the rotation of a contact
-    const mesh::PointWeights& point = contacts_[c];
-    const auto* largest =
-        std::max_element(point.weights.begin(), point.weights.begin() + point.count);
-    const int k = point.count > 0 ? numbering_[point.nodes[largest - point.weights.begin()]] : -1;
-    turned.is_watched[c] = point.count > 0;
-    turned.contacts[c].setIdentity();
-    if (k >= 0 && k < warp_.size()) turned.contacts[c] = warp_.matrix(k).cast<double>();
-  }
-  turn(at_snapshot_, turned, begin, end, sensitivity_);
-}
-
-void CorotationalModel::publish() noexcept {
-  for (int node = 0; node < positions_.cols(); ++node) {
-    positions_.col(node) = x_.col(numbering_[node]).head<3>();
-    velocities_.col(node) = v_.col(numbering_[node]).head<3>();
-  }
+void CorotationalModel::grasps_have_changed() noexcept {
+  sensitivity_.invalidate();
+  factor_.secants().clear();
+  corrections_.forget_contraction();
+  factor_.want_new();
 }
 
 math::Wrench CorotationalModel::reaction(int grasp) const noexcept {
-  math::Wrench wrench;
-  if (!held_[grasp]) return wrench;
-  const Vector3d origin = grasps_[grasp].applied.translation();
-  for (int node : body_.grasps[grasp].nodes) {
-    const Vector3d force = forces_.col(numbering_[node]).head<3>();
-    wrench.force += force;
-    wrench.torque += (positions_.col(node) - origin).cross(force);
+  return boundary_.reaction(grasp, potential_.forces(), motion_.positions());
+}
+
+void CorotationalModel::watch_contact(int slot, const mesh::PointWeights& point) noexcept {
+  sensitivity_.watch_contact(slot, point);
+  factor_.want_new();
+}
+
+StepReport CorotationalModel::step(double dt) noexcept {
+  StepReport report;
+  team_of(options_).call_up();
+  const StepBudget budget(options_);
+  if (!(dt > 0) || !factor_.serves(boundary_.held()) || !boundary_.are_finite()) {
+    report.residual = corrections_.residual();
+    return report;
   }
-  return wrench;
+  const std::array<math::Pose, 2> hands_begin = boundary_.applied();
+  potential_.set_time_step(dt);
+  // a factor for a very different step would contract slowly
+  if (dynamic_ && std::abs(potential_.factors().inertia / factor_.step().inertia - 1) > 0.3) {
+    factor_.want_new();
+  }
+  potential_.begin_step(boundary_);
+  motion_.begin_step();
+
+  double energy = evaluate_prediction(dt);
+  if (std::isfinite(energy)) {
+    if (++ticks_ % kLookPeriod == 0) factor_.follow(potential_.elements());
+    if (ticks_ % kTanglePeriod == 0) recover_inverted_elements(report, energy);
+    const double initial = corrections_.residual();
+    corrections_.minimise(motion_.x(), energy, report, budget, ticks_ % kMeasurePeriod == 0);
+    if (dynamic_ && report.status != StepStatus::kConverged && report.residual > 0.05 * initial &&
+        energy > potential_.of_staying(motion_.x_begin(), motion_.v())) {
+      stay_if_better(report, energy, dt, budget);
+    }
+    if (report.status != StepStatus::kConverged) recovery_.detect(motion_.x());
+    if (recovery_.is_inverted() && report.status == StepStatus::kConverged) {
+      report.status = StepStatus::kNotConverged;
+    }
+    motion_.finish_step(dt);
+  } else {
+    motion_.undo_step();
+    boundary_.set_applied(hands_begin);
+    potential_.evaluate(motion_.x());
+    if (!potential_.forces().allFinite()) potential_.clear_forces();
+    factor_.want_new();
+  }
+  motion_.publish();
+  sensitivity_.advance(dt);
+  factor_.advance(dt);
+  job_age_ += dt;
+  sensitivity_.turn(ticks_ % kLookPeriod, kLookPeriod);
+  for (int column = 0; column < options_.refine && !budget.is_spent(); ++column) {
+    if (refinement_ && report.status != StepStatus::kFailed) refinement_->refine_next(motion_.x());
+  }
+  return report;
+}
+
+void CorotationalModel::predict(double dt, bool follow) noexcept {
+  NodalField& x = motion_.x();
+  x = motion_.x_begin();
+  if (dynamic_) {
+    potential_.set_inertial_motion(motion_.x_begin(), motion_.v());
+    if (follow) x += dt * motion_.v();
+  } else if (follow) {
+    sensitivity_.follow_hands(x);
+  }
+  motion_.complete_prediction(follow);
+  boundary_.apply(x);
+}
+
+/// Potential, J, at the predicted positions, or at those of the last step, moved by the hands
+/// alone, if the former is not finite; not finite if neither is.
+double CorotationalModel::evaluate_prediction(double dt) noexcept {
+  double energy = 0;
+  for (const bool follow : {true, false}) {
+    predict(dt, follow);
+    energy = potential_.evaluate(motion_.x());
+    if (std::isfinite(energy) && potential_.forces().allFinite()) return energy;
+  }
+  return std::nan("");
+}
+
+void CorotationalModel::recover_inverted_elements(StepReport& report, double& energy) noexcept {
+  const InversionRecovery::Outcome outcome = recovery_.check(motion_.x());
+  if (outcome == InversionRecovery::Outcome::kKept) return;
+  if (outcome == InversionRecovery::Outcome::kReplaced) {
+    motion_.stop();
+    potential_.forget_history(motion_.x());
+    factor_.secants().clear();
+    factor_.want_new();
+    report.restarted = true;
+  }
+  energy = potential_.evaluate(motion_.x());
+}
+
+/// When a stiff body is struck hard, corrections that start from the positions predicted by the
+/// velocities can be too few. They then restart from the present positions, which can only lose
+/// energy.
+void CorotationalModel::stay_if_better(StepReport& report, double& energy, double dt,
+                                       const StepBudget& budget) noexcept {
+  NodalField& x = motion_.x();
+  x_corrected_ = x;
+  predict(dt, false);
+  const double stay = potential_.evaluate(x);
+  if (!std::isfinite(stay) || stay >= energy) {
+    x = x_corrected_;
+    energy = potential_.evaluate(x);
+    return;
+  }
+  energy = stay;
+  factor_.secants().clear();
+  factor_.want_new();
+  const int spent = report.iterations;
+  report.iterations = 0;
+  corrections_.minimise(x, energy, report, budget, ticks_ % kMeasurePeriod == 0);
+  report.iterations += spent;
 }
 
 Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
-  if (outstanding_ || (!wanted_ && factor_.usable)) return nullptr;
+  if (outstanding_ || (!factor_.is_new_wanted() && factor_.is_usable())) return nullptr;
   Snapshot& snapshot = job_.snapshot;
-  snapshot.positions = positions_;
-  snapshot.loads = loads_;
-  snapshot.gravity_O = gravity_;
-  snapshot.held = held_;
-  snapshot.contacts = contacts_;
-  for (int g = 0; g < 2; ++g) {
-    snapshot.origins[g] = grasps_[g].applied.translation();
-    job_grasps_[g] = grasps_[g].applied;
-  }
-  element_forces_->node_rotations(rotations_);
-  job_.factor.rotations = rotations_;
-  job_.factor.step = step_;
+  snapshot.positions = motion_.positions();
+  snapshot.loads = boundary_.loads();
+  snapshot.gravity_O = boundary_.gravity();
+  snapshot.held = boundary_.held();
+  snapshot.contacts = sensitivity_.contacts();
+  snapshot.grasps = boundary_.applied();
+  job_.factor.rotations = factor_.measure_rotations(potential_.elements());
+  job_.factor.step = potential_.factors();
   job_age_ = 0;
   outstanding_ = true;
-  wanted_ = false;
+  factor_.clear_wanted();
   return &job_;
 }
 
 void CorotationalModel::install(Refactorisation& done) noexcept {
   if (&done != &job_ || !outstanding_) return;
   outstanding_ = false;
-  if (!job_.factor.usable || !job_.factor.panels.usable(held_)) {
-    wanted_ = true;
+  if (!job_.factor.usable || !job_.factor.panels.usable(boundary_.held())) {
+    factor_.want_new();
     return;
   }
-  std::swap(factor_, job_.factor);
-  factor_age_ = job_age_;
-  secants_.clear();
-  follow_rotations();
-  if (job_.snapshot.held != held_) return;
-  std::swap(at_snapshot_, job_.sensitivity);
-  std::swap(sensitivity_.stress, at_snapshot_.stress);
-  for (int g = 0; g < 2; ++g) grasps_[g].snapshot = job_grasps_[g];
-  sensitivity_.valid = at_snapshot_.valid;
-  sensitivity_.age = job_age_;
-  if (!dynamic_) persistence_ = 0;  // errors of the old sensitivity no longer apply
-  turn_sensitivity(0, static_cast<int>(positions_.cols()));
+  factor_.install(job_.factor, job_age_, potential_.elements());
+  if (job_.snapshot.held != boundary_.held()) return;
+  sensitivity_.install(job_.sensitivity, job_.snapshot.grasps, job_age_);
+  if (!dynamic_) motion_.forget_persistence();
 }
 
 bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& velocities) noexcept {
-  if (positions.cols() != x_.cols() || velocities.cols() != x_.cols() || !positions.allFinite() ||
-      !velocities.allFinite()) {
-    return false;
-  }
-  for (int node = 0; node < positions.cols(); ++node) {
-    const int k = numbering_[node];
-    const bool fixed = k >= pattern_.size();
-    x_.col(k).head<3>() =
-        fixed ? Vector3d(body_.mesh.nodes.col(node)) : Vector3d(positions.col(node));
-    v_.col(k).head<3>() = fixed || !dynamic_ ? Vector3d::Zero() : Vector3d(velocities.col(node));
-  }
-  publish();
-  for (int g = 0; g < 2; ++g) {
-    if (held_[g]) grasps_[g].applied = grasp_pose(body_, g, positions_);
-  }
-  prediction_error_.setZero();
+  if (!motion_.restore(positions, velocities)) return false;
+  boundary_.set_applied_by(motion_.positions());
   // strains and rotations of the new shape, from which the next step starts
-  forces_.setZero();
-  elastic_ = element_forces_->add(x_, 0, forces_);
-  secants_.clear();
-  wanted_ = true;
-  suspect_count_ = 0;
-  inverted_ = torn_ = false;
+  potential_.restart(motion_.x());
+  factor_.secants().clear();
+  factor_.want_new();
+  recovery_.forget();
   ticks_ = kTanglePeriod - 1;  // the next step checks whether the shape is valid
-  follow_rotations();
+  factor_.follow(potential_.elements());
   return true;
-}
-
-RigidBlend::RigidBlend(const Body& body)
-    : rest_(body.mesh.nodes),
-      distance2_(Eigen::Matrix3Xd::Constant(3, rest_.cols(), std::numeric_limits<double>::max())) {
-  const auto measure = [&](int row, const std::vector<int>& nodes) {
-    for (int i = 0; i < rest_.cols(); ++i) {
-      for (int node : nodes) {
-        const double d = (rest_.col(i) - rest_.col(node)).squaredNorm();
-        distance2_(row, i) = std::min(distance2_(row, i), d);
-      }
-    }
-  };
-  for (std::size_t g = 0; g < body.grasps.size(); ++g) {
-    measure(static_cast<int>(g), body.grasps[g].nodes);
-  }
-  measure(2, body.fixed_nodes);
-}
-
-Eigen::Vector3d RigidBlend::position(int node, const std::array<bool, 2>& held,
-                                     const std::array<math::Pose, 2>& motions) const noexcept {
-  const Eigen::Vector3d at_rest = rest_.col(node);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double weights = 0;
-  for (int k = 0; k < 3; ++k) {
-    const bool present = k == 2 || held[k];
-    if (!present || distance2_(k, node) == std::numeric_limits<double>::max()) continue;
-    const double weight = 1 / std::max(distance2_(k, node), 1e-18);
-    sum += weight * (k == 2 ? at_rest : Eigen::Vector3d(motions[k] * at_rest));
-    weights += weight;
-  }
-  return weights > 0 ? Eigen::Vector3d(sum / weights) : at_rest;
 }
 
 }  // namespace palpate::elasticity

@@ -104,7 +104,7 @@ void StaticResponse::prescribe(const Snapshot& at, Columns& columns) const {
     for (int node : body_.grasps[g].nodes) {
       auto u = columns.moved.block<3, 6>(3 * node, columns.motion[g]);
       u.leftCols<3>().setIdentity();
-      u.rightCols<3>() = -math::cross_matrix(at.positions.col(node) - at.origins[g]);
+      u.rightCols<3>() = -math::cross_matrix(at.positions.col(node) - at.grasps[g].translation());
     }
   }
   for (int c = 0; c < kContactSlots; ++c) {
@@ -141,7 +141,7 @@ StaticResponse::Wrenches StaticResponse::wrenches(const Snapshot& at, int g,
                                                   const Columns& columns) const {
   Wrenches w = Wrenches::Zero(6, columns.moved.cols());
   for (int node : body_.grasps[g].nodes) {
-    const Vector3d r = at.positions.col(node) - at.origins[g];
+    const Vector3d r = at.positions.col(node) - at.grasps[g].translation();
     const factor::NodalColumns force =
         columns.product.middleRows<3>(3 * node) - columns.loaded.middleRows<3>(3 * node);
     w.topRows<3>() += force;

@@ -12,9 +12,8 @@ namespace palpate::elasticity {
 struct Snapshot {
   Eigen::Matrix3Xd positions;
   factor::Held held{false, false};
-  std::array<Eigen::Vector3d, 2> origins{Eigen::Vector3d::Zero(),
-                                         Eigen::Vector3d::Zero()};  // origins of the grasp frames G
-  Eigen::Matrix3Xd loads;                                           // N, in addition to weight
+  std::array<math::Pose, 2> grasps{math::Pose::Identity(), math::Pose::Identity()};  // X_OG
+  Eigen::Matrix3Xd loads;  // N, in addition to weight
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();
   std::array<mesh::PointWeights, kContactSlots> contacts;  // count 0: not configured
 };

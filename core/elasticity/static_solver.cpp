@@ -108,7 +108,7 @@ class StaticSolver::Newton {
     at.positions = x_;
     at.held = held_;
     for (int g = 0; g < 2; ++g)
-      if (poses_[g]) at.origins[g] = poses_[g]->translation();
+      if (poses_[g]) at.grasps[g] = *poses_[g];
     at.loads = loads_;
     at.gravity_O = body_.gravity_O;
     StaticResponse(body_, system_.elements, system_.pattern)

@@ -6,7 +6,6 @@ namespace {
 // Quantiles of the chi-square distribution with the 6 degrees of freedom of a hand.
 constexpr double kChiSquare6At6e3 = 18;  // p = 6.2e-3: one of 160 changes by noise alone
 constexpr double kChiSquare6At9e5 = 28;  // p = 9.4e-5: one of 10,000
-constexpr int kHandRows = 6;
 
 constexpr double kWary = 8;       // factor on the thresholds just after a contact has ended
 constexpr double kWaryFor = 0.3;  // s, time constant with which it decays to 1

@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -28,9 +29,11 @@ constexpr double kLeastSideways = 0.02;  // N
 ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& surface,
                              const Options& options)
     : options_(options) {
-  if (!(options.spacing > 0) || !(options.friction > 0) || !(options.usual > 0) ||
-      !(options.deviation > 0) || !(options.observable > 0))
-    throw std::invalid_argument("spacing, friction and deviations of a search must be positive");
+  math::check_positive(options.spacing, "spacing");
+  math::check_positive(options.friction, "friction");
+  math::check_positive(options.usual, "usual");
+  math::check_positive(options.deviation, "deviation");
+  math::check_positive(options.observable, "observable");
   std::vector<bool> bound(static_cast<std::size_t>(body.mesh.node_count()), false);
   for (const int node : body.fixed_nodes) bound[node] = true;
   for (const elasticity::GraspRegion& grasp : body.grasps)
@@ -49,7 +52,8 @@ ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& 
       places_.push_back({locator.locate(a + u * ab + v * ac), corners});
     });
   }
-  if (places_.empty()) throw std::invalid_argument("the object has no free surface to search");
+  math::check_option(!places_.empty(), "surface", places_.size(),
+                     "at least one triangle that is neither fixed nor held");
   next_ = place_count();
 }
 

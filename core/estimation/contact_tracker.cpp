@@ -8,7 +8,6 @@ namespace {
 /// Expectation of a chi-square variable with the 6 degrees of freedom of a hand: wrenches below it,
 /// relative to the expected noise, are barely detectable.
 constexpr double kFaint = 6;
-constexpr int kHandRows = 6;
 
 }  // namespace
 

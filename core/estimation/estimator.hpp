@@ -2,6 +2,7 @@
 
 #include "core/contact/force_transformer.hpp"
 #include "core/elasticity/deformation_model.hpp"
+#include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
 
 namespace palpate::estimation {

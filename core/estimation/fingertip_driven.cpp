@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "core/contact/surface_search.hpp"
 #include "core/estimation/nodal_loads.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -68,11 +68,12 @@ FingertipDriven::FingertipDriven(const elasticity::Body& body, const mesh::Surfa
       triangles_(surface.triangles),
       midsides_(midsides_of(body, surface)),
       step_watch_(options.step) {
-  if (!(options.skin_stiffness > 0) || !(options.friction > 0) || !(options.slide > 0) ||
-      !(options.patience > 0) || !(options.approach_speed > 0)) {
-    throw std::invalid_argument("options of the fingertip-driven estimator must be positive");
-  }
-  if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
+  math::check_positive(options.skin_stiffness, "skin_stiffness");
+  math::check_positive(options.friction, "friction");
+  math::check_positive(options.slide, "slide");
+  math::check_positive(options.patience, "patience");
+  math::check_positive(options.approach_speed, "approach_speed");
+  math::check_option(triangles_.cols() > 0, "surface", triangles_.cols(), "at least one triangle");
 }
 
 void FingertipDriven::reset() noexcept {

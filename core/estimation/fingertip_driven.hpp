@@ -4,6 +4,7 @@
 
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/step_watch.hpp"
+#include "core/math/update_result.hpp"
 #include "core/mesh/point_locator.hpp"
 #include "core/mesh/surface.hpp"
 

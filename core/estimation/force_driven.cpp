@@ -1,9 +1,8 @@
 #include "core/estimation/force_driven.hpp"
 
-#include <stdexcept>
-
 #include "core/elasticity/body.hpp"
 #include "core/estimation/nodal_loads.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 
@@ -17,10 +16,12 @@ ForceDriven::Options ForceDriven::Options::sensing_launch() noexcept {
 
 ForceDriven::ForceDriven(const elasticity::Body& body, const Options& options)
     : options_(options), step_watch_(options.step) {
-  if (!(options.fade > 0) || !(options.period > 0) || !(options.average >= 0) ||
-      !(options.delay >= 0) || !(options.average + options.delay < 1e5 * options.period)) {
-    throw std::invalid_argument("times of the force-driven estimator are out of range");
-  }
+  math::check_positive(options.fade, "fade");
+  math::check_positive(options.period, "period");
+  math::check_not_negative(options.average, "average");
+  math::check_not_negative(options.delay, "delay");
+  math::check_option(options.average + options.delay < 1e5 * options.period, "average and delay",
+                     options.average + options.delay, "below 100,000 periods together");
   const int window = std::max(1, static_cast<int>(std::lround(options.average / options.period)));
   const int delay = static_cast<int>(std::lround(options.delay / options.period));
   sources_.reserve(kSources);

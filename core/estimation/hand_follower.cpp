@@ -1,8 +1,7 @@
 #include "core/estimation/hand_follower.hpp"
 
-#include <stdexcept>
-
 #include "core/elasticity/body.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -24,10 +23,10 @@ math::Vector6d displacement_between(const math::Pose& from, const math::Pose& to
 }  // namespace
 
 HandFollower::HandFollower(const Options& options) : options_(options) {
-  if (!(options.pose_timeout > 0) || !(options.approach_speed > 0) ||
-      !(options.approach_angular_speed > 0) || !(options.pad_time > 0)) {
-    throw std::invalid_argument("times and speeds of a pose-driven estimator must be positive");
-  }
+  math::check_positive(options.pose_timeout, "pose_timeout");
+  math::check_positive(options.approach_speed, "approach_speed");
+  math::check_positive(options.approach_angular_speed, "approach_angular_speed");
+  math::check_positive(options.pad_time, "pad_time");
 }
 
 void HandFollower::activate(elasticity::DeformationModel& model) noexcept {

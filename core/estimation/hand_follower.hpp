@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/estimation/estimator.hpp"
+#include "core/math/update_result.hpp"
 
 namespace palpate::estimation {
 

@@ -2,6 +2,7 @@
 
 #include "core/estimation/hand_follower.hpp"
 #include "core/estimation/step_watch.hpp"
+#include "core/math/update_result.hpp"
 
 namespace palpate::estimation {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "core/estimation/nodal_loads.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -40,17 +40,21 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       contact_(body, surface, options, options),
       observations_(body, surface, options),
       node_deviations_(body.mesh.node_count(), options.observation.surface) {
-  for (const double value :
-       {options.period, options.decorrelation_distance, options.decorrelation_angle,
-        options.correlation, options.force, options.torque, options.lag, options.lag_deviation,
-        options.gate, options.shape, options.fade}) {
-    if (!(value > 0))
-      throw std::invalid_argument("times, deviations and gate of a filter must be positive");
-  }
-  if (!(options.relative >= 0) || !(options.payload_error >= 0) || options.suspect_count < 1)
-    throw std::invalid_argument(
-        "a filter's relative error and error of the payload must not be negative, and its search "
-        "for a contact needs at least one unexplained wrench");
+  math::check_positive(options.period, "period");
+  math::check_positive(options.decorrelation_distance, "decorrelation_distance");
+  math::check_positive(options.decorrelation_angle, "decorrelation_angle");
+  math::check_positive(options.correlation, "correlation");
+  math::check_positive(options.force, "force");
+  math::check_positive(options.torque, "torque");
+  math::check_positive(options.lag, "lag");
+  math::check_positive(options.lag_deviation, "lag_deviation");
+  math::check_positive(options.gate, "gate");
+  math::check_positive(options.shape, "shape");
+  math::check_positive(options.fade, "fade");
+  math::check_not_negative(options.relative, "relative");
+  math::check_not_negative(options.payload_error, "payload_error");
+  math::check_option(options.suspect_count >= 1, "suspect_count", options.suspect_count,
+                     "at least 1");
 }
 
 void PoseWrenchFilter::reset() noexcept {

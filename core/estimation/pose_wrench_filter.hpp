@@ -6,6 +6,7 @@
 #include "core/estimation/observation_update.hpp"
 #include "core/estimation/rest_detector.hpp"
 #include "core/estimation/step_watch.hpp"
+#include "core/math/update_result.hpp"
 
 namespace palpate::estimation {
 

@@ -3,15 +3,15 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kRecent = 0.05;  // s, window of the short-term mean
-constexpr double kLongest = 2;    // s, averaging window of the baseline
+constexpr double kMeanWindow = 0.05;  // s, window of the short-term mean
+constexpr double kLongest = 2;        // s, averaging window of the baseline
 
 }  // namespace
 
 void RestBaseline::accumulate(const Innovation& now) noexcept {
   latest_ = now.y;
   if (count_ > 0 && held_ == now.held) {
-    recent_ += (now.y - recent_) / sampling_.updates_in(kRecent);
+    recent_ += (now.y - recent_) / sampling_.updates_in(kMeanWindow);
     return;
   }
   mean_ = recent_ = now.y;
@@ -36,7 +36,7 @@ Innovation RestBaseline::change(const Innovation& now, int states) const noexcep
   result.H.leftCols(states).setZero();
   result.R.setZero();
   // Equivalent number of equally weighted wrenches of an exponential mean over n: 2 n - 1.
-  const double mean_of = 2.0 * sampling_.updates_in(kRecent) - 1;
+  const double mean_of = 2.0 * sampling_.updates_in(kMeanWindow) - 1;
   for (int row = 0; row < result.y.size(); ++row) {
     const double noise = sampling_.deviation(row);
     result.R(row, row) = std::max(noise * noise / mean_of, spread_[row]);

@@ -5,7 +5,7 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kRecent = 0.1;          // s, averaging time of the displacement
+constexpr double kAveragingTime = 0.1;   // s, averaging time of the displacement
 constexpr double kRadiansPerMetre = 10;  // a hand turns about points at a distance of 0.1 m
 
 bool is_beyond(const math::Vector6d& displacement, double distance) noexcept {
@@ -37,7 +37,7 @@ bool RestDetector::has_moved(Hand& hand, const math::Pose& X_OG, double dt) cons
     hand.displacement.setZero();
     return true;
   }
-  hand.displacement += std::min(1.0, dt / kRecent) * (displacement - hand.displacement);
+  hand.displacement += std::min(1.0, dt / kAveragingTime) * (displacement - hand.displacement);
   return is_beyond(displacement - hand.displacement, options_.rest_recently);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/elasticity/deformation_model.hpp"
+#include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
 
 namespace palpate::estimation {

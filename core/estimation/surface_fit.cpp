@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 
@@ -32,14 +33,18 @@ double spacing_of(const ObservationInput::Points& points) noexcept {
 SurfaceFit::SurfaceFit(const Eigen::Matrix3Xd& rest, const mesh::Surface& surface,
                        const Options& options)
     : options_(options), matcher_(surface), edges_(rest, surface) {
-  for (const double value :
-       {options.lag_deviation, options.correlation, options.gate, options.reach}) {
-    if (!(value > 0)) throw std::invalid_argument("options of a surface fit must be positive");
-  }
-  if (!(options.lag >= 0 && options.lag < ShapeHistory::kLongest) || !(options.surface >= 0) ||
-      !(options.edge_band >= 0) || !(options.edge >= 0) || options.places < 1 ||
-      options.points_per_tick < 1)
-    throw std::invalid_argument("options of a surface fit are out of range");
+  math::check_positive(options.lag_deviation, "lag_deviation");
+  math::check_positive(options.correlation, "correlation");
+  math::check_positive(options.gate, "gate");
+  math::check_positive(options.reach, "reach");
+  math::check_option(options.lag >= 0 && options.lag < ShapeHistory::kLongest, "lag", options.lag,
+                     "0 to below " + std::to_string(ShapeHistory::kLongest));
+  math::check_not_negative(options.surface, "surface");
+  math::check_not_negative(options.edge_band, "edge_band");
+  math::check_not_negative(options.edge, "edge");
+  math::check_option(options.places >= 1, "places", options.places, "at least 1");
+  math::check_option(options.points_per_tick >= 1, "points_per_tick", options.points_per_tick,
+                     "at least 1");
   moment_.positions.setZero(3, rest.cols());
   moment_.velocities.setZero(3, rest.cols());
 }

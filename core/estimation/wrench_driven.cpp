@@ -3,10 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "core/elasticity/body.hpp"
 #include "core/estimation/nodal_loads.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -21,15 +21,14 @@ bool lets_go(const GraspInput& input) noexcept {
 
 WrenchDriven::WrenchDriven(const elasticity::Body& body, const Options& options)
     : options_(options), step_watch_(options.step) {
-  for (const double value : {options.time_constant, options.average, options.least_stiffness,
-                             options.wrench_timeout, options.speed, options.angular_speed}) {
-    if (!(value > 0 && std::isfinite(value)))
-      throw std::invalid_argument(
-          "times, stiffness and speeds of a wrench-driven estimator must be positive");
-  }
-  if (body.fixed_nodes.empty())
-    throw std::invalid_argument(
-        "a wrench does not determine the position of an object without fixed nodes");
+  math::check_positive_finite(options.time_constant, "time_constant");
+  math::check_positive_finite(options.average, "average");
+  math::check_positive_finite(options.least_stiffness, "least_stiffness");
+  math::check_positive_finite(options.wrench_timeout, "wrench_timeout");
+  math::check_positive_finite(options.speed, "speed");
+  math::check_positive_finite(options.angular_speed, "angular_speed");
+  math::check_option(!body.fixed_nodes.empty(), "fixed_nodes", 0,
+                     "at least one, without which a wrench does not determine the position");
   const Eigen::Matrix3Xd& nodes = body.mesh.nodes;
   length_ = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).maxCoeff() / 2;
 }

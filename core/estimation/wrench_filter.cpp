@@ -3,20 +3,21 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::estimation {
 
 WrenchFilter::WrenchFilter(int grasps, const Options& options)
     : grasps_(grasps), options_(options) {
-  if (grasps < 1 || grasps > 2)
-    throw std::invalid_argument("a wrench filter needs one or two grasps");
-  for (const double value :
-       {options.position, options.rotation, options.log_young, options.bias_force,
-        options.bias_torque, options.memory, options.load_memory}) {
-    if (!(value > 0 && std::isfinite(value)))
-      throw std::invalid_argument("deviations and memory of a wrench filter must be positive");
-  }
+  math::check_option(grasps >= 1 && grasps <= 2, "grasps", grasps, "1, 2");
+  math::check_positive_finite(options.position, "position");
+  math::check_positive_finite(options.rotation, "rotation");
+  math::check_positive_finite(options.log_young, "log_young");
+  math::check_positive_finite(options.bias_force, "bias_force");
+  math::check_positive_finite(options.bias_torque, "bias_torque");
+  math::check_positive_finite(options.memory, "memory");
+  math::check_positive_finite(options.load_memory, "load_memory");
   prior_ = Vector::Zero(size());
   for (int g = 0; g < grasps; ++g) {
     prior_.segment<3>(offset(g)).setConstant(options.position * options.position);

@@ -25,6 +25,9 @@ struct WrenchSampling {
   }
 };
 
+/// Rows of the innovation per hand.
+inline constexpr int kHandRows = 6;
+
 /// Innovation of all held hands with a wrench, and its dependence on the states. Six rows (N, N m,
 /// in O at the origin of G) per hand, in order of the grasps.
 struct Innovation {

@@ -6,7 +6,6 @@ namespace palpate::estimation {
 namespace {
 
 constexpr double kInformationTime = 0.2;  // s, time over which new information is absorbed
-constexpr int kHandRows = 6;
 
 /// Variance of a hand's predicted wrench from the state covariance. `H`: its six rows.
 math::Vector6d wrench_variance(int grasp, WrenchFilter::Rows H,

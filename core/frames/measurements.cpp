@@ -36,32 +36,33 @@ void to_object_frame(const sensing::ContactSet& contacts, const ArmMeasurements&
                      const ArmMeasurements& second, sensing::ContactSet& contacts_O) noexcept {
   contacts_O.count = 0;
   for (int i = 0; i < contacts.count; ++i) {
-    sensing::Contact contact = contacts.contacts[i];
+    sensing::Contact& contact = contacts_O.contacts[contacts_O.count];
+    contact = contacts.contacts[i];
     const Source source = contact.source;
     const bool located = sensing::is_wrist(source)
                              ? locate_wrist(source == Source::kWrist1 ? second : first, contact)
                          : source == Source::kManual ? true
                                                      : locate_finger(first, contact);
-    if (located) contacts_O.push(contact);
+    if (located) ++contacts_O.count;
   }
 }
 
-estimation::GraspInput grasp_input(const ArmMeasurements& arm, int index,
-                                   const sensing::ContactSet& contacts_O) noexcept {
-  estimation::GraspInput input;
+void update_grasp(const ArmMeasurements& arm, int index, const sensing::ContactSet& contacts_O,
+                  estimation::GraspInput& input) noexcept {
   input.pose_freshness = arm.signals.robot.freshness;
   input.X_OG = arm.X_OE() * arm.frames.X_EG;
   // Without a hand that reports its grasp, an arm that reports its pose counts as holding.
   const sensing::Stream<sensing::HandState, 4>& hand = arm.signals.hand;
   const bool hand_known = hand.freshness != Freshness::kNoData;
   input.holding = arm.known && (!hand_known || hand.latest.grasp != sensing::Grasp::kNone);
+  input.wrench_valid = false;
+  input.F_G_O = math::Wrench();
   for (int i = 0; i < contacts_O.count; ++i) {
     const sensing::Contact& contact = contacts_O.contacts[i];
     if (!sensing::is_wrist(contact.source, index)) continue;
     input.wrench_valid = true;
     input.F_G_O = contact.wrench;
   }
-  return input;
 }
 
 void update_observation(const ArmMeasurements& arm,

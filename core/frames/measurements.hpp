@@ -22,10 +22,10 @@ struct ArmMeasurements {
 void to_object_frame(const sensing::ContactSet& contacts, const ArmMeasurements& first,
                      const ArmMeasurements& second, sensing::ContactSet& contacts_O) noexcept;
 
-/// Input of an estimator about grasp `index`, the one of wrist `index`. `contacts_O`: of
+/// Writes an estimator's input about grasp `index`, the one of wrist `index`. `contacts_O`: of
 /// to_object_frame().
-estimation::GraspInput grasp_input(const ArmMeasurements& arm, int index,
-                                   const sensing::ContactSet& contacts_O) noexcept;
+void update_grasp(const ArmMeasurements& arm, int index, const sensing::ContactSet& contacts_O,
+                  estimation::GraspInput& input) noexcept;
 
 /// Writes the observed points in O. Unless they are new, only freshness and age change.
 void update_observation(const ArmMeasurements& arm,

@@ -2,24 +2,26 @@
 
 #include <array>
 #include <cmath>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::kinematics {
 
 SerialChain::SerialChain(std::vector<Joint> joints, const math::Pose& X_JE)
     : joints_(std::move(joints)), X_JE_(X_JE) {
-  if (joints_.empty() || joints_.size() > kMostJoints)
-    throw std::invalid_argument("an arm has 1 to " + std::to_string(kMostJoints) +
-                                " joints that move, not " + std::to_string(joints_.size()));
+  math::check_option(!joints_.empty() && joints_.size() <= kMostJoints, "joints", joints_.size(),
+                     "1 to " + std::to_string(kMostJoints) + " joints that move");
   for (const Joint& joint : joints_) {
-    const auto refuse = [&](const char* what) {
-      throw std::invalid_argument("joint " + joint.name + ": " + what);
-    };
-    if (!(std::abs(joint.axis_J.norm() - 1) < 1e-6)) refuse("its axis is not of unit length");
-    if (!(joint.lower < joint.upper) || !std::isfinite(joint.upper - joint.lower))
-      refuse("its lower limit is not below the upper one");
-    if (!(joint.speed > 0 && std::isfinite(joint.speed))) refuse("its speed limit is not positive");
-    if (!joint.X_PJ.matrix().allFinite()) refuse("its origin is not finite");
+    const std::string name = "joint " + joint.name + ": ";
+    math::check_option(std::abs(joint.axis_J.norm() - 1) < 1e-6, name + "axis",
+                       joint.axis_J.transpose(), "a vector of unit length");
+    math::check_option(joint.lower < joint.upper && std::isfinite(joint.upper - joint.lower),
+                       name + "lower limit", joint.lower,
+                       "below the upper limit, " + std::to_string(joint.upper) + ", both finite");
+    math::check_option(joint.speed > 0 && std::isfinite(joint.speed), name + "speed limit",
+                       joint.speed, "above 0 and finite");
+    math::check_option(joint.X_PJ.matrix().allFinite(), name + "origin",
+                       joint.X_PJ.translation().transpose(), "a finite pose");
   }
 }
 

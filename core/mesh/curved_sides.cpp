@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/mesh/surface.hpp"
+#include "core/mesh/connectivity.hpp"
 
 namespace palpate::mesh {
 namespace {
@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 // Relative to an edge's length: rounding errors of a file, and more than any sensible mesh has (a
 // square for a circle: 0.2).
-constexpr double kFlat = 1e-7, kMostBulge = 0.25;
+constexpr double kFlatBulge = 1e-7, kMostBulge = 0.25;
 
 /// Boundary sides: corners (outward by the right-hand rule), then the midpoints of the edges 01,
 /// 12, 20.
@@ -59,7 +59,7 @@ double volume_below(const Side& side) {
 }  // namespace
 
 double curved_volume(const TetrahedralMesh& mesh, const EdgeMiddles& middles) {
-  const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+  const Surface surface = extract_surface(mesh);
   double sum = 0;
   for (int t = 0; t < surface.triangles.cols(); ++t) {
     sum += volume_below(side_of(mesh, middles, surface.triangles.col(t)));
@@ -68,7 +68,7 @@ double curved_volume(const TetrahedralMesh& mesh, const EdgeMiddles& middles) {
 }
 
 double keep_curved_volume(TetrahedralMesh& mesh, const EdgeMiddles& middles) {
-  const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+  const Surface surface = extract_surface(mesh);
   // each corner moves along the mean normal of its curved sides, by their mean deviation
   Eigen::Matrix3Xd outward = Eigen::Matrix3Xd::Zero(3, mesh.node_count());
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh.node_count());
@@ -83,7 +83,7 @@ double keep_curved_volume(TetrahedralMesh& mesh, const EdgeMiddles& middles) {
       bulge += bent.dot(normal.normalized()) / 3;
       longest = std::max(longest, edge.norm());
     }
-    if (std::abs(bulge) < kFlat * longest) continue;
+    if (std::abs(bulge) < kFlatBulge * longest) continue;
     if (!(std::abs(bulge) < kMostBulge * longest)) {
       throw std::invalid_argument("a side of the boundary bulges by " + std::to_string(bulge) +
                                   " m, too much for edges of " + std::to_string(longest) +

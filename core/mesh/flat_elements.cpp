@@ -7,40 +7,23 @@
 #include <optional>
 #include <set>
 
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/node_motion.hpp"
 #include "core/mesh/repair.hpp"
-#include "core/mesh/surface.hpp"
 #include "core/mesh/tetrahedron_quality.hpp"
 
 namespace palpate::mesh {
 namespace {
 
 using Eigen::Vector3d;
-using Face = std::array<int, 3>;
-
-Face face_of(const TetrahedralMesh& mesh, int t, int left_out) {
-  Face face{};
-  for (int i = 0, k = 0; i < 4; ++i) {
-    if (i != left_out) face[k++] = mesh.tetrahedra(i, t);
-  }
-  std::sort(face.begin(), face.end());
-  return face;
-}
-
-std::map<Face, int> count_faces(const TetrahedralMesh& mesh) {
-  std::map<Face, int> faces;
-  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
-    for (int i = 0; i < 4; ++i) ++faces[face_of(mesh, t, i)];
-  }
-  return faces;
-}
+using Faces = std::map<Face, std::vector<int>>;
 
 /// same criterion as check()
 bool is_flat(const TetrahedralMesh& mesh, int t) { return measure(mesh, t).radius_ratio == 0; }
 
 /// A flat tetrahedron has two sides, each of one to three faces. If all faces of one side and none
 /// of the other are on the surface, it covers the surface.
-bool lies_on_surface(const TetrahedralMesh& mesh, int t, const std::map<Face, int>& faces) {
+bool lies_on_surface(const TetrahedralMesh& mesh, int t, const Faces& faces) {
   std::array<Vector3d, 4> normals;  // oriented by the corner opposite to the face
   const auto corner = [&](int i) -> Vector3d { return mesh.nodes.col(mesh.tetrahedra(i, t)); };
   constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -55,7 +38,7 @@ bool lies_on_surface(const TetrahedralMesh& mesh, int t, const std::map<Face, in
     const double along = normals[i].dot(up);
     if (std::abs(along) < 1e-9 * up.squaredNorm()) return false;  // three collinear corners
     const int side = along > 0 ? 1 : 0;
-    ++(faces.at(face_of(mesh, t, i)) == 1 ? outside : inside)[side];
+    ++(faces.at(face_of(mesh, t, i)).size() == 1 ? outside : inside)[side];
   }
   return (inside[0] == 0 && outside[1] == 0) || (inside[1] == 0 && outside[0] == 0);
 }
@@ -67,7 +50,7 @@ class Collapse {
     for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
       for (const int n : mesh.tetrahedra.col(t)) around_[n].push_back(t);
     }
-    const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+    const Surface surface = extract_surface(mesh);
     normals_.resize(mesh.node_count());
     for (int t = 0; t < surface.triangles.cols(); ++t) {
       const Eigen::Vector3i c = surface.triangles.col(t);
@@ -171,7 +154,7 @@ std::vector<int> flat_ones(const TetrahedralMesh& mesh) {
 void peel(MeshWithGroups& mesh, FlatElements& result) {
   for (bool again = true; again;) {
     again = false;
-    const std::map<Face, int> faces = count_faces(mesh.mesh);
+    const Faces faces = tetrahedra_by_face(mesh.mesh);
     for (const int t : flat_ones(mesh.mesh)) {
       if (!lies_on_surface(mesh.mesh, t, faces)) continue;
       result.peeled.push_back(mesh.tetrahedron_number(t));

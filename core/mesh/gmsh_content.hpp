@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <istream>
 #include <map>
 #include <string>
 #include <utility>
@@ -62,13 +61,5 @@ class GmshContent {
   std::vector<long>
       flat_nodes_;  // nodes of triangles, lines and points, which a solid mesh may omit
 };
-
-/// Reads the part of a binary .msh after the format line, version 2 or 4(.1), little-endian. Throws
-/// ParseError naming file and byte.
-void read_gmsh_binary(std::istream& stream, const std::string& name, int version,
-                      GmshContent& content);
-
-/// Body of $PhysicalNames, which is text in both forms.
-void read_gmsh_names(LineReader& reader, GmshContent& content);
 
 }  // namespace palpate::mesh

@@ -45,6 +45,16 @@ Tetrahedra five(bool mirrored) {
 
 }  // namespace
 
+GridPlanes even_planes(const Eigen::Vector3d& lower, const Eigen::Vector3d& size,
+                       const std::array<int, 3>& cells) {
+  GridPlanes planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i <= cells[axis]; ++i)
+      planes[axis].push_back(lower[axis] + size[axis] * i / cells[axis]);
+  }
+  return planes;
+}
+
 TetrahedralMesh make_grid(const GridPlanes& planes, CellCut cut,
                           const std::function<bool(const Eigen::Vector3d&)>& keep) {
   Cell cells{};

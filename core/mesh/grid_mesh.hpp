@@ -16,6 +16,10 @@ enum class CellCut {
 /// Grid planes along each axis, m, strictly ascending, at least two.
 using GridPlanes = std::array<std::vector<double>, 3>;
 
+/// `cells` of equal length along each axis, from `lower` over `size`, m.
+GridPlanes even_planes(const Eigen::Vector3d& lower, const Eigen::Vector3d& size,
+                       const std::array<int, 3>& cells);
+
 /// Tetrahedra of those grid cells whose centre `keep` accepts (all if it is empty); nodes and cells
 /// are ordered with x running fastest. Throws std::invalid_argument for invalid planes or if no
 /// cell remains.

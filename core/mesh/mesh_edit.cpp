@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <array>
 #include <map>
-#include <numeric>
 #include <set>
 
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/repair.hpp"
 
 namespace palpate::mesh {
@@ -49,6 +48,14 @@ void renumber(std::vector<OtherCell>& cells, const std::vector<int>& number) {
   }
 }
 
+/// Keeps these entries of a list, if there is one.
+void select(std::vector<long>& numbers, const std::vector<int>& kept) {
+  if (numbers.empty()) return;
+  std::vector<long> left;
+  for (const int i : kept) left.push_back(numbers[i]);
+  numbers = std::move(left);
+}
+
 }  // namespace
 
 void replace_nodes(MeshWithGroups& mesh, const std::vector<int>& by) {
@@ -65,33 +72,21 @@ void replace_nodes(MeshWithGroups& mesh, const std::vector<int>& by) {
 
 void drop(MeshWithGroups& mesh, const std::vector<bool>& tetrahedra) {
   TetrahedralMesh& m = mesh.mesh;
-  std::vector<int> element(m.tetrahedron_count(), -1), node(m.node_count(), -1);
-  int elements = 0, nodes = 0;
-  for (int t = 0; t < m.tetrahedron_count(); ++t) {
-    if (tetrahedra[t]) continue;
-    for (const int n : m.tetrahedra.col(t)) {
-      if (n >= 0) node[n] = 0;
-    }
-    m.tetrahedra.col(elements) = m.tetrahedra.col(t);
-    if (!mesh.tetrahedron_numbers.empty())
-      mesh.tetrahedron_numbers[elements] = mesh.tetrahedron_numbers[t];
-    element[t] = elements++;
-  }
-  for (OtherCell& cell : mesh.others) {
+  const std::vector<int> kept = indices_of(tetrahedra, false);
+  m.tetrahedra = m.tetrahedra(Eigen::all, kept).eval();
+  select(mesh.tetrahedron_numbers, kept);
+  std::vector<bool> used = used_nodes(m.tetrahedra, m.node_count());
+  for (const OtherCell& cell : mesh.others) {
     for (int i = 0; i < cell.corner_count; ++i) {
-      if (cell.corners[i] >= 0) node[cell.corners[i]] = 0;
+      if (cell.corners[i] >= 0) used[cell.corners[i]] = true;
     }
   }
-  for (int n = 0; n < m.node_count(); ++n) {
-    if (node[n] < 0) continue;
-    m.nodes.col(nodes) = m.nodes.col(n);
-    if (!mesh.node_numbers.empty()) mesh.node_numbers[nodes] = mesh.node_numbers[n];
-    node[n] = nodes++;
-  }
-  m.tetrahedra.conservativeResize(4, elements);
-  m.nodes.conservativeResize(3, nodes);
-  if (!mesh.tetrahedron_numbers.empty()) mesh.tetrahedron_numbers.resize(elements);
-  if (!mesh.node_numbers.empty()) mesh.node_numbers.resize(nodes);
+  const std::vector<int> nodes = indices_of(used);
+  m.nodes = m.nodes(Eigen::all, nodes).eval();
+  select(mesh.node_numbers, nodes);
+  const std::vector<int> node = new_numbers(used);
+  std::vector<int> element(tetrahedra.size(), -1);
+  for (std::size_t k = 0; k < kept.size(); ++k) element[kept[k]] = static_cast<int>(k);
   for (int& n : m.tetrahedra.reshaped()) {
     if (n >= 0) n = node[n];
   }
@@ -112,26 +107,12 @@ void drop(MeshWithGroups& mesh, const std::vector<bool>& tetrahedra) {
 
 std::vector<int> parts_by_faces(const TetrahedralMesh& mesh) {
   const int count = mesh.tetrahedron_count();
-  std::vector<int> parent(count);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
-  std::map<std::array<int, 3>, int> faces;
-  for (int t = 0; t < count; ++t) {
-    for (int left_out = 0; left_out < 4; ++left_out) {
-      std::array<int, 3> face{};
-      for (int i = 0, k = 0; i < 4; ++i) {
-        if (i != left_out) face[k++] = mesh.tetrahedra(i, t);
-      }
-      std::sort(face.begin(), face.end());
-      const auto [found, is_new] = faces.try_emplace(face, t);
-      if (!is_new) parent[root(t)] = root(found->second);
-    }
+  DisjointSets sets(count);
+  for (const auto& [face, at] : tetrahedra_by_face(mesh)) {
+    for (const int t : at) sets.join(t, at.front());
   }
   std::map<int, double> volumes;
-  for (int t = 0; t < count; ++t) volumes[root(t)] += std::abs(volume(mesh, t));
+  for (int t = 0; t < count; ++t) volumes[sets.root(t)] += std::abs(volume(mesh, t));
   std::vector<int> order;
   for (const auto& [part, v] : volumes) order.push_back(part);
   std::stable_sort(order.begin(), order.end(),
@@ -139,7 +120,7 @@ std::vector<int> parts_by_faces(const TetrahedralMesh& mesh) {
   std::map<int, int> rank;
   for (const int part : order) rank.emplace(part, static_cast<int>(rank.size()));
   std::vector<int> parts(count);
-  for (int t = 0; t < count; ++t) parts[t] = rank[root(t)];
+  for (int t = 0; t < count; ++t) parts[t] = rank[sets.root(t)];
   return parts;
 }
 

@@ -1,6 +1,7 @@
 #include "core/mesh/mesh_reader.hpp"
 
 #include <charconv>
+#include <numeric>
 #include <sstream>
 
 namespace palpate::mesh {
@@ -17,6 +18,13 @@ bool parse(const std::string& text, Number& number) {
 }
 
 }  // namespace
+
+void MeshWithGroups::number_from(long first) {
+  node_numbers.resize(mesh.node_count());
+  std::iota(node_numbers.begin(), node_numbers.end(), first);
+  tetrahedron_numbers.resize(mesh.tetrahedron_count());
+  std::iota(tetrahedron_numbers.begin(), tetrahedron_numbers.end(), first);
+}
 
 bool LineReader::next() {
   while (std::getline(stream_, line_)) {

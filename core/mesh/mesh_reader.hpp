@@ -48,6 +48,8 @@ struct MeshWithGroups {
   std::vector<long> tetrahedron_numbers = {};
   std::vector<OtherCell> others = {};  // OnFault::kKeep only
 
+  /// Numbers nodes and tetrahedra as a file does that counts both from `first`.
+  void number_from(long first);
   /// Number of a node or tetrahedron in the file, or its index if there is no file.
   long node_number(int n) const { return node_numbers.empty() ? n : node_numbers[n]; }
   long tetrahedron_number(int t) const {

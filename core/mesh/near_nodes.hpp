@@ -12,4 +12,7 @@ double diagonal(const Eigen::Matrix3Xd& points);
 /// neighbours.
 std::vector<int> near_nodes(const Eigen::Matrix3Xd& points, double tolerance);
 
+/// Points that lie within `tolerance` of an earlier one, ascending.
+std::vector<int> duplicates(const Eigen::Matrix3Xd& points, double tolerance);
+
 }  // namespace palpate::mesh

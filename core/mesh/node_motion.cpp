@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/mesh/surface.hpp"
+#include "core/mesh/connectivity.hpp"
 
 namespace palpate::mesh {
 namespace {
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 // Sine of the angle between sides that count as coplanar; deviation of an edge's midpoint, relative
 // to its length, for which it counts as straight.
-constexpr double kFlat = 1e-6, kStraight = 1e-7;
+constexpr double kFlatFace = 1e-6, kStraight = 1e-7;
 constexpr double kFlatQuality = 1e-3;
 
 /// Orthonormal directions in which a node may move.
@@ -61,7 +61,7 @@ class NodeMotion {
   void keep_shape() {
     const TetrahedralMesh& mesh = mesh_.mesh;
     // the orientation of a face is irrelevant here, so that inverted elements do no harm
-    const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+    const Surface surface = extract_surface(mesh);
     std::vector<std::vector<Vector3d>> normals(mesh.node_count());
     for (int t = 0; t < surface.triangles.cols(); ++t) {
       const Eigen::Vector3i c = surface.triangles.col(t);
@@ -69,7 +69,7 @@ class NodeMotion {
       const Vector3d normal = (b - a).cross(d - a);
       for (const int n : c) {
         // a side without area defines no plane: its nodes are fixed
-        if (!(normal.norm() > kFlat * (b - a).norm() * (d - a).norm())) freedom_[n].clear();
+        if (!(normal.norm() > kFlatFace * (b - a).norm() * (d - a).norm())) freedom_[n].clear();
         if (!freedom_[n].empty()) normals[n].push_back(normal.normalized());
       }
     }
@@ -88,7 +88,7 @@ class NodeMotion {
   static void take_away(Vector3d normal, Freedom& freedom) {
     Vector3d inside = Vector3d::Zero();
     for (const Vector3d& d : freedom) inside += d.dot(normal) * d;
-    if (inside.norm() < kFlat) return;
+    if (inside.norm() < kFlatFace) return;
     inside.normalize();
     Freedom left;
     for (Vector3d d : freedom) {

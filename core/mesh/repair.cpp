@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/near_nodes.hpp"
 #include "core/mesh/node_motion.hpp"
@@ -50,12 +50,7 @@ void add_hexahedron(const std::array<int, 8>& c, int middle, std::vector<Tetrahe
 class Repair {
  public:
   Repair(MeshWithGroups& mesh, const RepairOptions& options) : mesh_(mesh), options_(options) {
-    if (mesh.node_numbers.empty()) {
-      for (int n = 0; n < mesh.mesh.node_count(); ++n) mesh.node_numbers.push_back(n);
-    }
-    if (mesh.tetrahedron_numbers.empty()) {
-      for (int t = 0; t < mesh.mesh.tetrahedron_count(); ++t) mesh.tetrahedron_numbers.push_back(t);
-    }
+    if (mesh.node_numbers.empty()) mesh.number_from(0);
   }
 
   std::vector<RepairStep> run() {
@@ -117,9 +112,7 @@ class Repair {
     std::vector<int> degenerate, repeated;
     std::map<std::array<int, 4>, int> known;
     for (int t = 0; t < m.tetrahedron_count(); ++t) {
-      std::array<int, 4> c{};
-      std::copy_n(m.tetrahedra.col(t).begin(), 4, c.begin());
-      std::sort(c.begin(), c.end());
+      const std::array<int, 4> c = sorted_corners(m, t);
       if (c[0] < 0) continue;  // a missing corner is not handled here
       if (std::adjacent_find(c.begin(), c.end()) != c.end()) {
         degenerate.push_back(t);
@@ -205,25 +198,17 @@ class Repair {
   void drop_parts() {
     if (options_.parts != Parts::kKeepLargest) return;
     const std::vector<int> parts = parts_by_faces(mesh_.mesh);
-    std::vector<bool> gone(parts.size(), false);
-    std::vector<int> small;
-    for (std::size_t t = 0; t < parts.size(); ++t) {
-      gone[t] = parts[t] > 0;
-      if (gone[t]) small.push_back(static_cast<int>(t));
-    }
+    std::vector<bool> gone;
+    for (const int part : parts) gone.push_back(part > 0);
+    const std::vector<int> small = indices_of(gone);
     add("elements dropped that are not of the largest part", numbers(small));
     if (!small.empty()) drop(mesh_, gone);
   }
 
   std::vector<long> unused() const {
-    std::vector<bool> used(mesh_.mesh.node_count(), false);
-    for (const int n : mesh_.mesh.tetrahedra.reshaped()) {
-      if (n >= 0) used[n] = true;
-    }
     std::vector<long> result;
-    for (int n = 0; n < mesh_.mesh.node_count(); ++n) {
-      if (!used[n]) result.push_back(mesh_.node_number(n));
-    }
+    const auto used = used_nodes(mesh_.mesh.tetrahedra, mesh_.mesh.node_count());
+    for (const int n : indices_of(used, false)) result.push_back(mesh_.node_number(n));
     return result;
   }
 

@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <set>
 #include <sstream>
-#include <utility>
 
-#include "core/mesh/surface.hpp"
+#include "core/mesh/connectivity.hpp"
+#include "core/mesh/near_nodes.hpp"
 
 namespace palpate::mesh {
 namespace {
@@ -24,103 +22,20 @@ double longest_edge(const TetrahedralMesh& mesh, int t) {
   return longest;
 }
 
-/// Coincident nodes, found among neighbours along a direction that is not normal to grid planes:
-/// along an axis, a grid of a million nodes has ten thousand at every coordinate.
-std::vector<int> find_duplicates(const Eigen::Matrix3Xd& nodes) {
-  const int count = static_cast<int>(nodes.cols());
-  const double tolerance = 1e-9 * (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
-  const Eigen::Vector3d line = Eigen::Vector3d(1, std::sqrt(2) - 1, std::sqrt(3) - 1).normalized();
-  const Eigen::VectorXd place = nodes.transpose() * line;
-  std::vector<int> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&place](int a, int b) {
-    return std::make_pair(place[a], a) < std::make_pair(place[b], b);
-  });
-  std::vector<bool> marked(count, false);
-  for (int i = 0; i < count; ++i) {
-    // nodes already marked are skipped: of many coincident nodes, only one is compared with all
-    for (int j = i + 1; j < count && !marked[order[i]]; ++j) {
-      if (!(place[order[j]] - place[order[i]] <= tolerance)) break;
-      if ((nodes.col(order[i]) - nodes.col(order[j])).norm() <= tolerance) {
-        marked[std::max(order[i], order[j])] = true;
-      }
-    }
-  }
-  std::vector<int> duplicates;
-  for (int n = 0; n < count; ++n) {
-    if (marked[n]) duplicates.push_back(n);
-  }
-  return duplicates;
-}
-
-int count_parts(const TetrahedralMesh& mesh) {
-  std::vector<int> parent(mesh.node_count());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int n) {
-    while (parent[n] != n) n = parent[n] = parent[parent[n]];
-    return n;
-  };
+int count_parts(const TetrahedralMesh& mesh, const std::vector<bool>& used) {
+  DisjointSets sets(mesh.node_count());
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
-    for (int i = 1; i < 4; ++i) {
-      parent[root(mesh.tetrahedra(i, t))] = root(mesh.tetrahedra(0, t));
-    }
+    for (int i = 1; i < 4; ++i) sets.join(mesh.tetrahedra(i, t), mesh.tetrahedra(0, t));
   }
-  std::vector<bool> used(mesh.node_count(), false);
-  for (int i = 0; i < mesh.tetrahedra.size(); ++i) used[mesh.tetrahedra(i)] = true;
   int parts = 0;
-  for (int n = 0; n < mesh.node_count(); ++n) parts += used[n] && parent[n] == n;
+  for (int n = 0; n < mesh.node_count(); ++n) parts += used[n] && sets.root(n) == n;
   return parts;
-}
-
-int count_non_manifold_edges(const Surface& surface) {
-  std::map<std::pair<int, int>, int> triangles;
-  for (int t = 0; t < surface.triangles.cols(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      ++triangles[std::minmax({surface.triangles(i, t), surface.triangles((i + 1) % 3, t)})];
-    }
-  }
-  return static_cast<int>(std::count_if(triangles.begin(), triangles.end(),
-                                        [](const auto& edge) { return edge.second != 2; }));
-}
-
-/// Surface nodes whose triangles form more than one fan: parts touch in this point.
-int count_non_manifold_nodes(const Surface& surface) {
-  std::map<int, std::map<int, int>> around;  // of a node: each neighbour's root
-  const auto root = [](std::map<int, int>& parent, int n) {
-    while (parent[n] != n) n = parent[n];
-    return n;
-  };
-  for (int t = 0; t < surface.triangles.cols(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      std::map<int, int>& parent = around[surface.triangles(i, t)];
-      const int a = surface.triangles((i + 1) % 3, t), b = surface.triangles((i + 2) % 3, t);
-      parent.emplace(a, a);
-      parent.emplace(b, b);
-      parent[root(parent, a)] = root(parent, b);
-    }
-  }
-  return static_cast<int>(std::count_if(around.begin(), around.end(), [](const auto& node) {
-    return std::count_if(node.second.begin(), node.second.end(), [](const auto& neighbour) {
-             return neighbour.first == neighbour.second;
-           }) > 1;
-  }));
 }
 
 /// Tetrahedra at a face shared by more than two, or by two on the same side of it: they overlap.
 std::vector<int> find_overlapping(const TetrahedralMesh& mesh) {
-  std::map<std::array<int, 3>, std::vector<int>> faces;
-  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
-    for (int left_out = 0; left_out < 4; ++left_out) {
-      std::array<int, 3> face;
-      for (int i = 0, k = 0; i < 4; ++i) {
-        if (i != left_out) face[k++] = mesh.tetrahedra(i, t);
-      }
-      std::sort(face.begin(), face.end());
-      faces[face].push_back(t);
-    }
-  }
   std::set<int> overlapping;
-  for (const auto& [face, at] : faces) {
+  for (const auto& [face, at] : tetrahedra_by_face(mesh)) {
     const auto side = [&mesh, &face = face](int t) {  // of the face
       const Eigen::Vector3d a = mesh.nodes.col(face[0]);
       const Eigen::Vector3d normal =
@@ -163,19 +78,11 @@ MeshReport check(const TetrahedralMesh& mesh) {
   MeshReport report;
   report.node_count = mesh.node_count();
   report.tetrahedron_count = mesh.tetrahedron_count();
-  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
-    const auto indices = mesh.tetrahedra.col(t);
-    if (indices.minCoeff() < 0 || indices.maxCoeff() >= mesh.node_count()) {
-      report.index_out_of_range.push_back(t);
-    }
-  }
-  for (int n = 0; n < mesh.node_count(); ++n) {
-    if (!mesh.nodes.col(n).allFinite()) report.not_finite.push_back(n);
-  }
+  report.index_out_of_range = out_of_range(mesh.tetrahedra, mesh.node_count());
+  report.not_finite = not_finite(mesh.nodes);
   if (!report.index_out_of_range.empty() || !report.not_finite.empty()) return report;
   if (mesh.node_count() == 0 || mesh.tetrahedron_count() == 0) return report;
 
-  std::vector<bool> used(mesh.node_count(), false);
   report.quality_min = 1;
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
     const double v = volume(mesh, t);
@@ -189,17 +96,17 @@ MeshReport check(const TetrahedralMesh& mesh) {
     const double quality = radius_ratio(mesh, t);
     report.quality_min = std::min(report.quality_min, quality);
     report.quality_mean += quality / mesh.tetrahedron_count();
-    for (int i = 0; i < 4; ++i) used[mesh.tetrahedra(i, t)] = true;
   }
-  for (int n = 0; n < mesh.node_count(); ++n) {
-    if (!used[n]) report.unused_nodes.push_back(n);
-  }
-  report.duplicate_nodes = find_duplicates(mesh.nodes);
-  report.parts = count_parts(mesh);
+  const std::vector<bool> used = used_nodes(mesh.tetrahedra, mesh.node_count());
+  report.unused_nodes = indices_of(used, false);
+  report.duplicate_nodes = duplicates(mesh.nodes, 1e-9 * diagonal(mesh.nodes));
+  report.parts = count_parts(mesh, used);
   report.overlapping = find_overlapping(mesh);
-  const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
-  report.non_manifold_edges = count_non_manifold_edges(surface);
-  report.non_manifold_nodes = count_non_manifold_nodes(surface);
+  const Eigen::Matrix3Xi surface = extract_surface(mesh).triangles;
+  for (const auto& [edge, triangles] : triangles_by_edge(surface)) {
+    if (triangles.size() != 2) report.non_manifold_edges.push_back(edge);
+  }
+  report.non_manifold_nodes = pinched_nodes(surface);
   return report;
 }
 
@@ -222,8 +129,10 @@ std::string MeshReport::text() const {
   append(text, unused_nodes, "nodes in no tetrahedron");
   append(text, overlapping, "tetrahedra that overlap a neighbour");
   if (parts > 1) text << "; " << parts << " parts that do not touch";
-  if (non_manifold_edges > 0) text << "; " << non_manifold_edges << " non-manifold surface edges";
-  if (non_manifold_nodes > 0) text << "; " << non_manifold_nodes << " non-manifold surface nodes";
+  if (!non_manifold_edges.empty())
+    text << "; " << non_manifold_edges.size() << " non-manifold surface edges";
+  if (!non_manifold_nodes.empty())
+    text << "; " << non_manifold_nodes.size() << " non-manifold surface nodes";
   return text.str();
 }
 

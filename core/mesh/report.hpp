@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mesh/tetrahedral_mesh.hpp"
+#include "core/mesh/connectivity.hpp"
 
 namespace palpate::mesh {
 
@@ -23,8 +23,8 @@ struct MeshReport {
   std::vector<int> overlapping;      // tetrahedra on the same side of a shared face
   /// Number of parts; tetrahedra that share a node are of one part.
   int parts = 0;
-  int non_manifold_edges = 0;  // surface edges with a number of triangles other than two
-  int non_manifold_nodes = 0;  // surface nodes at which parts touch in this point only
+  std::vector<Edge> non_manifold_edges;  // of the surface: of other than two triangles
+  std::vector<int> non_manifold_nodes;   // of the surface: parts touch in this point only
 
   double volume = 0;  // m^3
   double quality_min =

@@ -9,7 +9,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/mesh/surface.hpp"
+#include "core/mesh/connectivity.hpp"
 
 namespace palpate::mesh {
 namespace {
@@ -64,15 +64,10 @@ using IsRound = std::function<bool(const Vector3d&)>;
 
 /// Midpoints of boundary edges between corners on the curved surface, projected onto it.
 void curve(MeshWithGroups& result, const IsRound& is_round, const Place& onto_surface) {
-  const Surface surface = extract_surface(make_element_mesh(result.mesh, ElementOrder::kLinear));
-  for (int t = 0; t < surface.triangles.cols(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      const int a = surface.triangles(i, t), b = surface.triangles((i + 1) % 3, t);
-      const Vector3d from = result.mesh.nodes.col(a), to = result.mesh.nodes.col(b);
-      if (is_round(from) && is_round(to)) {
-        result.middles[std::minmax(a, b)] = onto_surface(0.5 * (from + to));
-      }
-    }
+  for (const auto& [edge, triangles] : triangles_by_edge(extract_surface(result.mesh).triangles)) {
+    const Vector3d from = result.mesh.nodes.col(edge.first),
+                   to = result.mesh.nodes.col(edge.second);
+    if (is_round(from) && is_round(to)) result.middles[edge] = onto_surface(0.5 * (from + to));
   }
 }
 
@@ -232,7 +227,7 @@ MeshWithGroups make_ellipsoid(const Vector3d& half_axes, int cells, RoundSides s
 
 void group_sides(MeshWithGroups& mesh,
                  const std::function<std::string(const Eigen::Matrix3d&)>& name) {
-  const Surface surface = extract_surface(make_element_mesh(mesh.mesh, ElementOrder::kLinear));
+  const Surface surface = extract_surface(mesh.mesh);
   std::map<std::string, std::vector<int>> members;
   for (int t = 0; t < surface.triangles.cols(); ++t) {
     const Eigen::Matrix3d corners = mesh.mesh.nodes(Eigen::all, surface.triangles.col(t));

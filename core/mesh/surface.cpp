@@ -10,11 +10,11 @@ namespace {
 
 // Faces seen from outside, corners counter-clockwise, with the midside nodes of edges 01, 12, 20 of
 // the face (local positions in a quadratic element).
-struct Face {
+struct FaceCorners {
   int corners[3];
   int midside[3];
 };
-constexpr Face kFaces[4] = {
+constexpr FaceCorners kFaces[4] = {
     {{0, 2, 1}, {6, 5, 4}}, {{0, 1, 3}, {4, 8, 7}}, {{1, 2, 3}, {5, 9, 8}}, {{0, 3, 2}, {7, 9, 6}}};
 
 }  // namespace
@@ -38,7 +38,7 @@ Surface extract_surface(const ElementMesh& mesh) {
   std::set<int> nodes;
   for (const auto& [key, place] : faces) {
     if (place.count != 1) continue;
-    const Face& face = kFaces[place.face];
+    const FaceCorners& face = kFaces[place.face];
     std::vector<int> members;
     for (int corner : face.corners) members.push_back(mesh.elements(corner, place.element));
     if (mesh.order == ElementOrder::kQuadratic) {

@@ -30,8 +30,9 @@ class SurfaceRepair {
     std::vector<long> unused = unused_points();
     drop({});
     add("points dropped that are in no triangle", std::move(unused));
-    const SurfaceReport bad = check_numbers();
-    if (!bad.index_out_of_range.empty() || !bad.not_finite.empty()) return std::move(steps_);
+    if (!out_of_range(surface_.triangles, surface_.point_count()).empty() ||
+        !not_finite(surface_.points).empty())
+      return std::move(steps_);
     merge();
     turn_thin_triangles();
     drop_useless();
@@ -50,51 +51,24 @@ class SurfaceRepair {
     for (const int t : triangles) result.push_back(surface_.number(t));
     return result;
   }
-  SurfaceReport check_numbers() const {
-    SurfaceReport report;
-    for (int t = 0; t < surface_.triangle_count(); ++t) {
-      if (surface_.triangles.col(t).minCoeff() < 0) report.index_out_of_range.push_back(t);
-    }
-    for (int n = 0; n < surface_.point_count(); ++n) {
-      if (!surface_.points.col(n).allFinite()) report.not_finite.push_back(n);
-    }
-    return report;
-  }
-
   std::vector<long> unused_points() const {
-    std::vector<bool> used(surface_.point_count(), false);
-    for (const int n : surface_.triangles.reshaped()) {
-      if (n >= 0) used[n] = true;
-    }
     std::vector<long> result;
-    for (int n = 0; n < surface_.point_count(); ++n) {
-      if (!used[n]) result.push_back(n + 1);
-    }
+    const auto used = used_nodes(surface_.triangles, surface_.point_count());
+    for (const int n : indices_of(used, false)) result.push_back(n + 1);
     return result;
   }
 
   /// Drops triangles, and points that are then unused.
   void drop(const std::vector<int>& triangles) {
-    std::vector<bool> gone(surface_.triangle_count(), false);
-    for (const int t : triangles) gone[t] = true;
-    std::vector<int> point(surface_.point_count(), -1);
-    int count = 0, points = 0;
-    for (int t = 0; t < surface_.triangle_count(); ++t) {
-      if (gone[t]) continue;
-      for (const int n : surface_.triangles.col(t)) {
-        if (n >= 0) point[n] = 0;
-      }
-      surface_.triangles.col(count) = surface_.triangles.col(t);
-      surface_.numbers[count++] = surface_.numbers[t];
-    }
-    surface_.triangles.conservativeResize(3, count);
-    surface_.numbers.resize(count);
-    for (int n = 0; n < surface_.point_count(); ++n) {
-      if (point[n] < 0) continue;
-      surface_.points.col(points) = surface_.points.col(n);
-      point[n] = points++;
-    }
-    surface_.points.conservativeResize(3, points);
+    std::vector<bool> stays(surface_.triangle_count(), true);
+    for (const int t : triangles) stays[t] = false;
+    const std::vector<int> kept = indices_of(stays);
+    surface_.triangles = surface_.triangles(Eigen::all, kept).eval();
+    for (std::size_t k = 0; k < kept.size(); ++k) surface_.numbers[k] = surface_.numbers[kept[k]];
+    surface_.numbers.resize(kept.size());
+    const std::vector<bool> used = used_nodes(surface_.triangles, surface_.point_count());
+    surface_.points = surface_.points(Eigen::all, indices_of(used)).eval();
+    const std::vector<int> point = new_numbers(used);
     for (int& n : surface_.triangles.reshaped()) {
       if (n >= 0) n = point[n];
     }

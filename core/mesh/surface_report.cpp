@@ -3,9 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
-#include <queue>
 #include <set>
 
 #include "core/mesh/near_nodes.hpp"
@@ -14,7 +11,6 @@
 namespace palpate::mesh {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Triangle = std::array<Vector3d, 3>;
 
@@ -93,37 +89,19 @@ bool intersect(const Candidate& c, const Candidate& d) {
   return goes_through(c, d) || goes_through(d, c);
 }
 
-using Eigen::Vector3d;
-
 constexpr double kNoArea = 1e-9, kSame = 1e-9;
 
-void find_bad_numbers(const TriangleSurface& surface, SurfaceReport& report) {
-  for (int t = 0; t < surface.triangle_count(); ++t) {
-    const auto c = surface.triangles.col(t);
-    if (c.minCoeff() < 0 || c.maxCoeff() >= surface.point_count())
-      report.index_out_of_range.push_back(t);
-  }
-  for (int n = 0; n < surface.point_count(); ++n) {
-    if (!surface.points.col(n).allFinite()) report.not_finite.push_back(n);
-  }
-}
-
 void look_at_triangles(const TriangleSurface& surface, SurfaceReport& report) {
-  std::vector<bool> used(surface.point_count(), false);
   std::set<std::array<int, 3>> known;
-  report.shortest_edge = std::numeric_limits<double>::infinity();
   for (int t = 0; t < surface.triangle_count(); ++t) {
     std::array<int, 3> c{};
     double longest = 0;
     for (int i = 0; i < 3; ++i) {
       c[i] = surface.triangles(i, t);
-      used[c[i]] = true;
       const double length =
           (surface.points.col(surface.triangles((i + 1) % 3, t)) - surface.points.col(c[i])).norm();
       longest = std::max(longest, length);
-      report.shortest_edge = std::min(report.shortest_edge, length);
     }
-    report.longest_edge = std::max(report.longest_edge, longest);
     const Vector3d a = surface.points.col(c[0]), b = surface.points.col(c[1]),
                    d = surface.points.col(c[2]);
     const double area = 0.5 * (b - a).cross(d - a).norm();
@@ -132,35 +110,7 @@ void look_at_triangles(const TriangleSurface& surface, SurfaceReport& report) {
     std::sort(c.begin(), c.end());
     if (!known.insert(c).second) report.repeated.push_back(t);
   }
-  for (int n = 0; n < surface.point_count(); ++n) {
-    if (!used[n]) report.unused_points.push_back(n);
-  }
-}
-
-/// Points whose triangles form more than one fan connected by edges.
-std::vector<int> pinched_points(const TriangleSurface& surface) {
-  std::vector<std::vector<SurfaceEdge>> opposite(surface.point_count());
-  for (int t = 0; t < surface.triangle_count(); ++t) {
-    const auto c = surface.triangles.col(t);
-    for (int i = 0; i < 3; ++i) opposite[c[i]].push_back({c[(i + 1) % 3], c[(i + 2) % 3]});
-  }
-  std::vector<int> pinched;
-  for (int n = 0; n < surface.point_count(); ++n) {
-    std::map<int, int> parent;
-    const auto root = [&parent](int p) {
-      while (parent[p] != p) p = parent[p];
-      return p;
-    };
-    for (const auto& [a, b] : opposite[n]) {
-      parent.emplace(a, a);
-      parent.emplace(b, b);
-      parent[root(a)] = root(b);
-    }
-    const auto fans = std::count_if(parent.begin(), parent.end(),
-                                    [](const auto& p) { return p.first == p.second; });
-    if (fans > 1) pinched.push_back(n);
-  }
-  return pinched;
+  report.unused_points = indices_of(used_nodes(surface.triangles, surface.point_count()), false);
 }
 
 /// Solid angle of a triangle seen from a point, divided by 4 pi (van Oosterom and Strackee 1983).
@@ -253,18 +203,16 @@ SurfaceReport check(const TriangleSurface& surface) {
   SurfaceReport report;
   report.point_count = surface.point_count();
   report.triangle_count = surface.triangle_count();
-  find_bad_numbers(surface, report);
+  report.index_out_of_range = out_of_range(surface.triangles, surface.point_count());
+  report.not_finite = not_finite(surface.points);
   if (!report.index_out_of_range.empty() || !report.not_finite.empty()) return report;
   if (surface.triangle_count() == 0) return report;
   look_at_triangles(surface, report);
-  const std::vector<int> by = near_nodes(surface.points, kSame * diagonal(surface.points));
-  for (int n = 0; n < surface.point_count(); ++n) {
-    if (by[n] != n) report.duplicate_points.push_back(n);
-  }
+  report.duplicate_points = duplicates(surface.points, kSame * diagonal(surface.points));
   const SurfaceTopology topology(surface);
   report.holes = topology.holes();
   report.non_manifold_edges = topology.crowded_edges();
-  report.non_manifold_points = pinched_points(surface);
+  report.non_manifold_points = pinched_nodes(surface.triangles);
   const SurfaceSides sides = topology.sides();
   report.part = sides.part;
   report.one_sided = sides.one_sided;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/triangle_surface.hpp"
 
 namespace palpate::mesh {
@@ -12,9 +13,6 @@ namespace palpate::mesh {
 /// overlaps of the surface. Triangles without area are ignored. All indices must be in range and
 /// coordinates finite.
 std::vector<std::pair<int, int>> find_intersections(const TriangleSurface& surface);
-
-/// Edge given by its points, the lower index first.
-using SurfaceEdge = std::pair<int, int>;
 
 /// Faults of a surface that bounds a body. Lists contain 0-based indices. Where an index or a
 /// coordinate is invalid, dependent checks are skipped.
@@ -28,12 +26,12 @@ struct SurfaceReport {
   std::vector<int> repeated;            // triangles with the same corners as an earlier one
   std::vector<int> duplicate_points;    // points nearer to another than 1e-9 of the surface's size
   std::vector<int> unused_points;
-  std::vector<std::vector<int>> holes;  // loop of points around each, in the order of the rim
-  std::vector<SurfaceEdge> non_manifold_edges;     // edges of more than two triangles
-  std::vector<int> non_manifold_points;            // points whose triangles form more than one fan
-  std::vector<int> turned;                         // triangles oriented against their neighbours
-  std::vector<int> one_sided;                      // non-orientable parts (Moebius)
-  std::vector<int> inside_out;                     // parts oriented inward
+  std::vector<std::vector<int>> holes;   // loop of points around each, in the order of the rim
+  std::vector<Edge> non_manifold_edges;  // edges of more than two triangles
+  std::vector<int> non_manifold_points;  // points whose triangles form more than one fan
+  std::vector<int> turned;               // triangles oriented against their neighbours
+  std::vector<int> one_sided;            // non-orientable parts (Moebius)
+  std::vector<int> inside_out;           // parts oriented inward
   std::vector<std::pair<int, int>> intersections;  // pairs of triangles
   std::vector<int> part;                           // part of each triangle, connected by edges
   /// For each part: number of other closed parts that contain it; odd: a cavity.
@@ -42,8 +40,6 @@ struct SurfaceReport {
 
   double area = 0;    // m^2
   double volume = 0;  // m^3, with parts oriented correctly; 0 if there are holes
-  double shortest_edge = 0;
-  double longest_edge = 0;
 
   int parts() const { return static_cast<int>(depth.size()); }
   bool is_closed() const { return holes.empty() && non_manifold_edges.empty(); }

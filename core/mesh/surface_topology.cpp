@@ -1,7 +1,6 @@
 #include "core/mesh/surface_topology.hpp"
 
 #include <algorithm>
-#include <queue>
 #include <set>
 
 namespace palpate::mesh {
@@ -54,8 +53,8 @@ std::vector<std::vector<int>> SurfaceTopology::holes() const {
   return loops;
 }
 
-std::vector<std::pair<int, int>> SurfaceTopology::crowded_edges() const {
-  std::vector<std::pair<int, int>> crowded;
+std::vector<Edge> SurfaceTopology::crowded_edges() const {
+  std::vector<Edge> crowded;
   for (const auto& [edge, at] : edges_) {
     if (at.size() > 2) crowded.push_back(edge);
   }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <map>
-#include <utility>
 #include <vector>
 
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/triangle_surface.hpp"
 
 namespace palpate::mesh {
@@ -22,20 +22,20 @@ class SurfaceTopology {
   explicit SurfaceTopology(const TriangleSurface& surface);
 
   /// Triangles at each edge (points in ascending order).
-  const std::map<std::pair<int, int>, std::vector<int>>& edges() const { return edges_; }
+  const std::map<Edge, std::vector<int>>& edges() const { return edges_; }
 
   /// Loops of points around holes: edges of a single triangle, in the direction of a triangle that
   /// would close the hole.
   std::vector<std::vector<int>> holes() const;
   /// Edges of more than two triangles.
-  std::vector<std::pair<int, int>> crowded_edges() const;
+  std::vector<Edge> crowded_edges() const;
   SurfaceSides sides() const;
 
  private:
   bool runs_along(int t, int from, int to) const;
 
   const TriangleSurface& surface_;
-  std::map<std::pair<int, int>, std::vector<int>> edges_;
+  std::map<Edge, std::vector<int>> edges_;
 };
 
 }  // namespace palpate::mesh

@@ -64,17 +64,19 @@ Eigen::Matrix4Xi read_tetgen_elements(LineReader& reader, long first, int node_c
   return tetrahedra;
 }
 
-TetrahedralMesh read_tetgen(std::istream& node, const std::string& node_name, std::istream& ele,
-                            const std::string& ele_name, OnFault on_fault) {
-  TetrahedralMesh mesh;
+MeshWithGroups read_tetgen(std::istream& node, const std::string& node_name, std::istream& ele,
+                           const std::string& ele_name, OnFault on_fault) {
+  MeshWithGroups result;
   long first = 0;
   LineReader nodes(node, node_name, '#');
   nodes.require("the number of nodes");
-  mesh.nodes = read_tetgen_nodes(nodes, first, on_fault);
+  result.mesh.nodes = read_tetgen_nodes(nodes, first, on_fault);
   LineReader elements(ele, ele_name, '#');
   elements.require("the number of tetrahedra");
-  mesh.tetrahedra = read_tetgen_elements(elements, first, mesh.node_count(), on_fault);
-  return mesh;
+  result.mesh.tetrahedra =
+      read_tetgen_elements(elements, first, result.mesh.node_count(), on_fault);
+  result.number_from(first);
+  return result;
 }
 
 }  // namespace palpate::mesh

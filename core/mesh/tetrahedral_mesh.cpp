@@ -40,11 +40,7 @@ TetrahedralMesh make_box(const Eigen::Vector3d& size, const std::array<int, 3>& 
   if (!(size.array() > 0).all() || *std::min_element(cells.begin(), cells.end()) < 1) {
     throw std::invalid_argument("a box needs positive size and at least one cell per axis");
   }
-  GridPlanes planes;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int i = 0; i <= cells[axis]; ++i) planes[axis].push_back(size[axis] * i / cells[axis]);
-  }
-  return make_grid(planes, CellCut::kSix);
+  return make_grid(even_planes(Eigen::Vector3d::Zero(), size, cells), CellCut::kSix);
 }
 
 }  // namespace palpate::mesh

@@ -62,10 +62,8 @@ TetrahedronQuality measure(const TetrahedralMesh& mesh, int t) {
   for (int i = 0; i < 4; ++i) x.col(i) = mesh.nodes.col(mesh.tetrahedra(i, t));
   TetrahedronQuality quality;
   quality.volume = volume(mesh, t);
-  quality.shortest_edge = std::numeric_limits<double>::infinity();
   for (const auto& [a, b] : kTetrahedronEdges) {
     const double length = (x.col(b) - x.col(a)).norm();
-    quality.shortest_edge = std::min(quality.shortest_edge, length);
     quality.longest_edge = std::max(quality.longest_edge, length);
   }
   quality.stiffness = std::numeric_limits<double>::infinity();

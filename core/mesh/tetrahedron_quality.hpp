@@ -9,7 +9,6 @@ namespace palpate::mesh {
 /// of its mirror image.
 struct TetrahedronQuality {
   double volume = 0;          // m^3, negative if inverted
-  double shortest_edge = 0;   // m
   double longest_edge = 0;    // m
   double smallest_angle = 0;  // rad, dihedral; 1.231 for a regular tetrahedron
   double largest_angle = 0;   // rad

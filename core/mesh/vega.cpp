@@ -39,10 +39,7 @@ class VegaReader {
     }
     if (!has_nodes_) reader_.fail("there is no *VERTICES");
     if (!has_elements_) reader_.fail("there is no *ELEMENTS");
-    for (int n = 0; n < result_.mesh.node_count(); ++n) result_.node_numbers.push_back(first_ + n);
-    for (int t = 0; t < result_.mesh.tetrahedron_count(); ++t) {
-      result_.tetrahedron_numbers.push_back(first_ + t);
-    }
+    result_.number_from(first_);
     return std::move(result_);
   }
 

@@ -1,6 +1,6 @@
 #include "core/sensing/biotac_linear.hpp"
 
-#include <stdexcept>
+#include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 
@@ -8,11 +8,14 @@ BiotacLinear::BiotacLinear(const Options& options)
     : FingertipModel(options.tare_samples), options_(options) {
   options.check();
   const LinearTactileModel& model = options.model;
-  if (!model.matrix.allFinite() || !model.offset.allFinite() || !model.place.allFinite())
-    throw std::invalid_argument("the model's numbers must be finite");
+  math::check_all_finite(model.matrix, "model.matrix");
+  math::check_all_finite(model.offset, "model.offset");
+  math::check_all_finite(model.place, "model.place");
   const Eigen::Index count = feature_count(model.features);
-  if (model.matrix.cols() != count || (model.place.size() > 0 && model.place.cols() != count))
-    throw std::invalid_argument("the model wants one column a feature");
+  const std::string columns = std::to_string(count) + " columns, one for each feature";
+  math::check_option(model.matrix.cols() == count, "model.matrix", model.matrix.cols(), columns);
+  math::check_option(model.place.size() == 0 || model.place.cols() == count, "model.place",
+                     model.place.cols(), columns);
   tare_.start();
 }
 

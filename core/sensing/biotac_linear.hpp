@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/math/update_result.hpp"
 #include "core/sensing/fingertip_model.hpp"
 
 namespace palpate::sensing {

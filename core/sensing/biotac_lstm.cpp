@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 namespace {
@@ -13,7 +14,8 @@ constexpr double kRateTolerance = 0.2;   // relative deviation of the sample int
 
 void check_inputs(const std::vector<int>& inputs) {
   for (const int input : inputs)
-    if (input >= kTactileInputCount) throw std::invalid_argument("there is no such input");
+    math::check_option(input < kTactileInputCount, "inputs", input,
+                       "below " + std::to_string(kTactileInputCount));
 }
 
 }  // namespace
@@ -33,14 +35,15 @@ BiotacLstm::BiotacLstm(const Options& options, std::unique_ptr<Executor> force,
       random_(kSeed) {
   options.check();
   check_inputs(options.inputs);
-  if (options.outputs.size() != 3) throw std::invalid_argument("a force has three outputs");
-  if (!(options.rate > 0)) throw std::invalid_argument("rate must be above 0");
-  if (!(options.largest_force > options.contact_force))
-    throw std::invalid_argument("largest_force must be above contact_force");
+  math::check_option(options.outputs.size() == 3, "outputs", options.outputs.size(), "3 indices");
+  math::check_positive(options.rate, "rate");
+  math::check_option(options.largest_force > options.contact_force, "largest_force",
+                     options.largest_force,
+                     "above contact_force, " + std::to_string(options.contact_force));
   if (direction) {
     check_inputs(direction->inputs);
-    if (direction->outputs.size() != 3)
-      throw std::invalid_argument("a direction has three outputs");
+    math::check_option(direction->outputs.size() == 3, "direction.outputs",
+                       direction->outputs.size(), "3 indices");
     direction_.emplace(std::move(direction->executor), direction->inputs, direction->outputs);
     R_TN_ = direction->R_TN;
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/math/update_result.hpp"
 #include "core/sensing/electrode_scatter.hpp"
 #include "core/sensing/fingertip_model.hpp"
 #include "core/sensing/streamed_model.hpp"

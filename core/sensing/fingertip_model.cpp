@@ -1,18 +1,20 @@
 #include "core/sensing/fingertip_model.hpp"
 
 #include <cmath>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 
 void FingertipOptions::check() const {
-  if (finger < 0 || finger > 4) throw std::invalid_argument("finger must be 0 to 4");
-  if (std::abs(localization.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
-  if (localization.threshold < 0 || !(localization.saturation > 0))
-    throw std::invalid_argument("threshold must not be negative, saturation must be above 0");
-  if (release_force < 0 || contact_force < release_force)
-    throw std::invalid_argument("contact_force must not be below release_force");
-  if (!(max_age > 0)) throw std::invalid_argument("max_age must be above 0");
+  math::check_option(finger >= 0 && finger <= 4, "finger", finger, "0 to 4");
+  math::check_polarity(localization.polarity);
+  math::check_not_negative(localization.threshold, "threshold");
+  math::check_positive(localization.saturation, "saturation");
+  math::check_not_negative(release_force, "release_force");
+  math::check_option(contact_force >= release_force, "contact_force", contact_force,
+                     "at least release_force, " + std::to_string(release_force));
+  math::check_positive(max_age, "max_age");
 }
 
 void FingertipModel::reset_contact() noexcept {

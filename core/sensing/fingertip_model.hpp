@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/math/update_result.hpp"
 #include "core/sensing/linear_tactile.hpp"
 #include "core/sensing/tare.hpp"
 

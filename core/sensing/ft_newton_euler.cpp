@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "core/math/option_check.hpp"
 
@@ -10,8 +9,8 @@ namespace palpate::sensing {
 namespace {
 
 double smoothing(double cutoff, double rate) {
-  if (cutoff < 0 || !(rate > 0))
-    throw std::invalid_argument("cutoff must not be negative, sample_rate must be above 0");
+  math::check_not_negative(cutoff, "cutoff");
+  math::check_positive(rate, "sample_rate");
   return cutoff > 0 ? 1 - std::exp(-2 * M_PI * cutoff / rate) : 1.0;
 }
 
@@ -55,16 +54,15 @@ FtNewtonEuler::FtNewtonEuler(const Options& options)
       options_(options),
       low_pass_(smoothing(options.cutoff, options.sample_rate)),
       offset_(options.imu_offset_time) {
-  math::check_option(std::abs(options.polarity) == 1, "polarity", options.polarity, "1, -1");
-  if (!(options.max_age > 0) || !(options.imu_max_age > 0))
-    throw std::invalid_argument("max_age and imu_max_age must be above 0");
-  if (options.imu_offset_time < 0 || options.angular_acceleration_time < 0 ||
-      !(options.rest_speed >= 0) || !(options.rest_smoothing > 0) ||
-      !(options.rest_acceleration > 0))
-    throw std::invalid_argument(
-        "time constants and rest_speed must not be negative, rest_smoothing and rest_acceleration "
-        "must be above 0");
-  if (options.payload.mass < 0) throw std::invalid_argument("mass must not be negative");
+  math::check_polarity(options.polarity);
+  math::check_positive(options.max_age, "max_age");
+  math::check_positive(options.imu_max_age, "imu_max_age");
+  math::check_not_negative(options.imu_offset_time, "imu_offset_time");
+  math::check_not_negative(options.angular_acceleration_time, "angular_acceleration_time");
+  math::check_not_negative(options.rest_speed, "rest_speed");
+  math::check_positive(options.rest_smoothing, "rest_smoothing");
+  math::check_positive(options.rest_acceleration, "rest_acceleration");
+  math::check_not_negative(options.payload.mass, "payload.mass");
   const math::Pose X_SI = options.X_ES.inverse() * options.X_EI;
   R_SI_ = X_SI.linear();
   p_SI_ = X_SI.translation();

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "core/math/filter.hpp"
+#include "core/math/update_result.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/sensing/tare.hpp"

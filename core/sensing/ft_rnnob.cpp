@@ -14,8 +14,11 @@ namespace {
 constexpr double kMostRows = 1e6;
 
 int checked_capacity(int width, int window, double largest_delay) {
-  if (width < 1 || window < 1 || !(largest_delay >= 0) || !(window + largest_delay <= kMostRows))
-    throw std::invalid_argument("signal history: width, window or delay is out of range");
+  math::check_option(width >= 1, "width", width, "at least 1");
+  math::check_option(window >= 1, "window", window, "at least 1");
+  math::check_not_negative(largest_delay, "largest_delay");
+  math::check_option(window + largest_delay <= kMostRows, "window and delay",
+                     window + largest_delay, "at most 1e6 samples together");
   return window + static_cast<int>(std::ceil(largest_delay)) + 1;
 }
 
@@ -25,14 +28,13 @@ constexpr int kPose = 0, kVelocity = 4, kPosition = 7, kInertial = 10, kWrench =
 constexpr int kPoseSize = 10, kInertialSize = 6, kWrenchSize = 6;
 
 int checked_ticks(const FtRnnob::Options& options) {
-  if (!(options.rate > 0) || !(options.period > 0))
-    throw std::invalid_argument("rate and period must be above 0");
+  math::check_positive(options.rate, "rate");
+  math::check_positive(options.period, "period");
   const double ticks = 1 / (options.rate * options.period);
   const double whole = std::round(ticks);
-  if (whole < 1 || std::abs(ticks - whole) > 1e-6 * whole)
-    throw std::invalid_argument("the loop's rate (" + std::to_string(1 / options.period) +
-                                " Hz) must be a multiple of the model's (" +
-                                std::to_string(options.rate) + " Hz)");
+  math::check_option(
+      whole >= 1 && std::abs(ticks - whole) <= 1e-6 * whole, "rate", options.rate,
+      "a rate of which the loop's, " + std::to_string(1 / options.period) + " Hz, is a multiple");
   return static_cast<int>(whole);
 }
 
@@ -45,8 +47,10 @@ SignalHistory make_history(const FtRnnob::Options& options, int width) {
   const double least = std::min({0.0, options.inertial_delay, options.force_torque_delay});
   const double window = std::round(options.average / options.period);
   const double delay = (latest(options) - least) / options.period;
-  if (!(window >= 0 && window <= 1e5) || !(delay <= 1e5))
-    throw std::invalid_argument("average and delays must not exceed 100,000 ticks of the loop");
+  math::check_option(window >= 0 && window <= 1e5, "average", options.average,
+                     "0 to 100,000 periods of the loop");
+  math::check_option(delay <= 1e5, "delay", delay * options.period,
+                     "at most 100,000 periods of the loop");
   return SignalHistory(width, std::max(1, static_cast<int>(window)), delay);
 }
 
@@ -86,15 +90,17 @@ FtRnnob::FtRnnob(const Options& options, std::unique_ptr<Executor> executor)
       input_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options.inputs.size()))),
       network_(std::move(executor), options.inputs, options.outputs),
       history_(make_history(options, kWidth)) {
-  if (options.outputs.size() != 6) throw std::invalid_argument("outputs must be six");
+  math::check_option(options.outputs.size() == 6, "outputs", options.outputs.size(), "6 indices");
   for (const int input : options.inputs)
-    if (input >= kObserverInputCount) throw std::invalid_argument("there is no such input");
-  math::check_option(std::abs(options.polarity) == 1, "polarity", options.polarity, "1, -1");
-  math::check_option(options.max_age > 0, "max_age", options.max_age, "above 0");
+    math::check_option(input < kObserverInputCount, "inputs", input,
+                       "below " + std::to_string(kObserverInputCount));
+  math::check_polarity(options.polarity);
+  math::check_positive(options.max_age, "max_age");
   options.domain.check(static_cast<int>(options.inputs.size()));
   if (options.domain.points.cols() > 0 && !options.network_gives_rest)
-    throw std::invalid_argument("domain wants a network that gives the rest of a payload");
-  if (options.payload.mass < 0) throw std::invalid_argument("mass must not be negative");
+    throw std::invalid_argument("domain: " + std::to_string(options.domain.points.cols()) +
+                                " points; allowed: none without network_gives_rest");
+  math::check_not_negative(options.payload.mass, "payload.mass");
   const math::Pose X_SI = options.X_ES.inverse() * options.X_EI;
   R_SI_ = X_SI.linear();
   p_SI_ = X_SI.translation();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/math/update_result.hpp"
 #include "core/sensing/input_domain.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"

@@ -1,7 +1,6 @@
 #include "core/sensing/ft_tare_only.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "core/math/option_check.hpp"
 
@@ -12,8 +11,8 @@ FtTareOnly::FtTareOnly(const Options& options)
       options_(options),
       delay_(options.delay),
       average_(options.moving_average) {
-  math::check_option(std::abs(options.polarity) == 1, "polarity", options.polarity, "1, -1");
-  math::check_option(options.max_age > 0, "max_age", options.max_age, "above 0");
+  math::check_polarity(options.polarity);
+  math::check_positive(options.max_age, "max_age");
   if (options.tare_at_start) tare_.start();
 }
 

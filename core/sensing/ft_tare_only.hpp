@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/math/filter.hpp"
+#include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/sensing/tare.hpp"
 

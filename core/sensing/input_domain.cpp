@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 
@@ -23,23 +24,24 @@ double InputDomain::trust(const Eigen::Ref<const Eigen::VectorXd>& input) const 
 }
 
 void InputDomain::check(int inputs) const {
-  const auto refuse = [](const char* what) {
-    throw std::invalid_argument(std::string("domain: ") + what);
-  };
   if (points.cols() == 0) return;
-  if (points.cols() > kLargestPoints) refuse("more than 1024 points");
-  if (points.rows() != inputs) refuse("points must have a number for each input");
-  if (deviation.size() != inputs) refuse("deviation must have a number for each input");
-  if (!points.allFinite()) refuse("points must be finite");
-  if (!deviation.allFinite() || !(deviation.array() > 0).all())
-    refuse("deviation must be finite and above 0");
-  if (!(near >= 0) || !(far > near) || !std::isfinite(far))
-    refuse("near must be 0 or more, far above it");
+  const std::string each = std::to_string(inputs) + " rows, one for each input";
+  math::check_option(points.cols() <= kLargestPoints, "domain.points", points.cols(),
+                     "at most " + std::to_string(kLargestPoints) + " points");
+  math::check_option(points.rows() == inputs, "domain.points", points.rows(), each);
+  math::check_option(deviation.size() == inputs, "domain.deviation", deviation.size(), each);
+  math::check_all_finite(points, "domain.points");
+  math::check_all_finite(deviation, "domain.deviation");
+  math::check_option((deviation.array() > 0).all(), "domain.deviation", deviation.transpose(),
+                     "above 0");
+  math::check_not_negative(near, "domain.near");
+  math::check_option(far > near && std::isfinite(far), "domain.far", far,
+                     "above near, " + std::to_string(near) + ", and finite");
 }
 
 InputDomain cover(const Eigen::MatrixXd& rows, const Eigen::VectorXd& deviation, int count,
                   double near_factor, double far_factor) {
-  if (rows.rows() == 0) throw std::invalid_argument("domain: there is no row to cover");
+  math::check_option(rows.rows() > 0, "rows", rows.rows(), "at least one row");
   const Eigen::MatrixXd scaled = rows * deviation.cwiseInverse().asDiagonal();
   const auto square_distances = [&](const Eigen::RowVectorXd& point) -> Eigen::VectorXd {
     return (scaled.rowwise() - point).rowwise().squaredNorm();

@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 
@@ -93,7 +94,7 @@ Ridge best_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
   double best = 0;
   Eigen::Vector3d best_error = Eigen::Vector3d::Zero();
   for (const double penalty : options.penalties) {
-    if (!(penalty >= 0)) throw std::invalid_argument("tactile fit: a penalty is negative");
+    math::check_not_negative(penalty, "penalties");
     Eigen::Vector3d error = Eigen::Vector3d::Zero();
     for (int block = 0; block < options.blocks; ++block) {
       const Eigen::Index begin = n * block / options.blocks;
@@ -119,14 +120,18 @@ Ridge best_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
 void check(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets,
            const LinearTactileFitOptions& options) {
   const Eigen::Index n = inputs.rows();
-  if (inputs.cols() != kTactileInputCount || targets.cols() != 3 || targets.rows() != n)
-    throw std::invalid_argument("tactile fit: inputs must be n x 21 and targets n x 3");
-  if (options.blocks < 2 || n < 2 * options.blocks)
-    throw std::invalid_argument("tactile fit: needs two blocks or more, of two rows or more");
-  if (options.penalties.empty() || !(options.deviation_floor > 0))
-    throw std::invalid_argument("tactile fit: needs a penalty and a positive deviation_floor");
-  if (!inputs.allFinite() || !targets.allFinite())
-    throw std::invalid_argument("tactile fit: a number is not finite");
+  math::check_option(inputs.cols() == kTactileInputCount, "inputs", inputs.cols(),
+                     std::to_string(kTactileInputCount) + " columns");
+  math::check_option(targets.cols() == 3, "targets", targets.cols(), "3 columns");
+  math::check_option(targets.rows() == n, "targets", targets.rows(),
+                     std::to_string(n) + " rows, as inputs");
+  math::check_option(options.blocks >= 2 && n >= 2 * options.blocks, "blocks", options.blocks,
+                     "2 to half of the " + std::to_string(n) + " rows");
+  math::check_option(!options.penalties.empty(), "penalties", options.penalties.size(),
+                     "at least one");
+  math::check_positive(options.deviation_floor, "deviation_floor");
+  math::check_all_finite(inputs, "inputs");
+  math::check_all_finite(targets, "targets");
 }
 
 Eigen::MatrixXd feature_rows(const Eigen::MatrixXd& inputs, TactileFeatures features) {

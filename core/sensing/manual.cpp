@@ -1,14 +1,12 @@
 #include "core/sensing/manual.hpp"
 
-#include <stdexcept>
-
 #include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 
 Manual::Manual(const Options& options) : options_(options) {
-  math::check_option(options.expires_after > 0, "expires_after", options.expires_after, "above 0");
-  math::check_option(options.max_force > 0, "max_force", options.max_force, "above 0");
+  math::check_positive(options.expires_after, "expires_after");
+  math::check_positive(options.max_force, "max_force");
 }
 
 UpdateResult Manual::update(const Signals& signals, ContactSet& contacts) noexcept {

@@ -1,8 +1,8 @@
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include "core/math/option_check.hpp"
+#include "core/math/singular_values.hpp"
 #include "core/sensing/payload.hpp"
 
 namespace palpate::sensing {
@@ -56,7 +56,7 @@ PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> c
     for (int c = kPayloadParameterCount; c < kColumnCount; ++c) columns.push_back(c);
   const int n = static_cast<int>(samples.size());
   const int k = static_cast<int>(columns.size());
-  if (n < 4) throw std::invalid_argument("payload identification needs at least four readings");
+  math::check_option(n >= 4, "samples", n, "at least 4 readings");
 
   Eigen::MatrixXd regressor(6 * n, k);
   Eigen::VectorXd measured(6 * n);
@@ -65,8 +65,8 @@ PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> c
     for (int c = 0; c < k; ++c) regressor.block<6, 1>(6 * s, c) = full.col(columns[c]);
     measured.segment<6>(6 * s) = samples[s].F_S.vector();
   }
-  if (!regressor.allFinite() || !measured.allFinite())
-    throw std::invalid_argument("payload identification was given a number that is not finite");
+  math::check_all_finite(regressor, "samples: motion");
+  math::check_all_finite(measured, "samples: wrench");
 
   PayloadFit fit;
   fit.sample_count = n;
@@ -157,7 +157,7 @@ PayloadFit identify_static(const std::vector<StaticPose>& poses, const Eigen::Ve
 
 Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses) {
   const int n = static_cast<int>(poses.size());
-  if (n < 4) throw std::invalid_argument("gravity's direction needs at least four poses");
+  math::check_option(n >= 4, "poses", n, "at least 4");
   // F = bias - R_SW (m g): linear in the weight in W and the bias in S
   Eigen::MatrixXd regressor(3 * n, 6);
   Eigen::VectorXd measured(3 * n);
@@ -166,12 +166,15 @@ Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses)
     regressor.block<3, 3>(3 * i, 3).setIdentity();
     measured.segment<3>(3 * i) = poses[i].F_S.force;
   }
-  if (!regressor.allFinite() || !measured.allFinite())
-    throw std::invalid_argument("gravity's direction was asked of numbers that are not finite");
+  math::check_all_finite(regressor, "poses: rotation");
+  math::check_all_finite(measured, "poses: force");
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(regressor, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::Vector3d weight = svd.solve(measured).head<3>();
-  if (svd.singularValues()[5] < 1e-3 * svd.singularValues()[0] || weight.norm() == 0)
-    throw std::invalid_argument("the poses do not separate the load's weight from the bias");
+  math::check_option(svd.singularValues()[5] >= 1e-3 * svd.singularValues()[0], "poses",
+                     svd.singularValues().transpose(),
+                     "rotations that separate the load's weight from the bias: a smallest singular "
+                     "value of at least 1e-3 of the largest");
+  math::check_option(weight.norm() != 0, "poses", 0, "forces with a weight other than 0");
   return weight.normalized();
 }
 

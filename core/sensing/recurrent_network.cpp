@@ -1,15 +1,12 @@
 #include "core/sensing/recurrent_network.hpp"
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
+
+#include "core/math/option_check.hpp"
 
 namespace palpate::sensing {
 namespace {
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw std::invalid_argument("recurrent network: " + what);
-}
 
 std::string shape(Eigen::Index rows, Eigen::Index cols) {
   return std::to_string(rows) + " x " + std::to_string(cols);
@@ -17,14 +14,14 @@ std::string shape(Eigen::Index rows, Eigen::Index cols) {
 
 template <class M>
 void check_part(const std::string& name, const M& part, Eigen::Index rows, Eigen::Index cols) {
-  if (part.rows() != rows || part.cols() != cols)
-    refuse(name + " is " + shape(part.rows(), part.cols()) + ", must be " + shape(rows, cols));
-  if (!part.allFinite()) refuse(name + " holds a number that is not finite");
+  math::check_option(part.rows() == rows && part.cols() == cols, name,
+                     shape(part.rows(), part.cols()), shape(rows, cols));
+  math::check_all_finite(part, name);
 }
 
 void check_count(const char* name, int count, int largest) {
-  if (count < 1 || count > largest)
-    refuse(std::to_string(count) + " " + name + "; allowed: 1 to " + std::to_string(largest));
+  math::check_option(count >= 1 && count <= largest, name, count,
+                     "1 to " + std::to_string(largest));
 }
 
 using Map = Eigen::Map<Eigen::VectorXf>;
@@ -83,11 +80,13 @@ void RecurrentWeights::check() const {
   check_part("offset", offset, outputs(), 1);
   check_part("output_mean", output_mean, outputs(), 1);
   check_part("output_deviation", output_deviation, outputs(), 1);
-  if (!((unit_mask.array() == 0) || (unit_mask.array() == 1)).all())
-    refuse("unit_mask must hold 0 and 1 only");
-  if (!(unit_floor > 0) || !std::isfinite(unit_floor)) refuse("unit_floor must be above 0");
-  if (!(input_deviation.array() > 0).all()) refuse("input_deviation must be above 0");
-  if (!(output_deviation.array() > 0).all()) refuse("output_deviation must be above 0");
+  math::check_option(((unit_mask.array() == 0) || (unit_mask.array() == 1)).all(), "unit_mask",
+                     unit_mask.transpose(), "0, 1");
+  math::check_positive_finite(unit_floor, "unit_floor");
+  math::check_option((input_deviation.array() > 0).all(), "input_deviation",
+                     input_deviation.transpose(), "above 0");
+  math::check_option((output_deviation.array() > 0).all(), "output_deviation",
+                     output_deviation.transpose(), "above 0");
 }
 
 RecurrentNetwork::RecurrentNetwork(const RecurrentWeights& weights) : weights_(weights) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/math/update_result.hpp"
 #include "core/sensing/sequence_executor.hpp"
 #include "core/sensing/signals.hpp"
 

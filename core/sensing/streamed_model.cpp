@@ -2,20 +2,21 @@
 
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::sensing {
 
 StreamedModel::StreamedModel(std::unique_ptr<Executor> executor, const std::vector<int>& inputs,
                              const std::vector<int>& outputs)
     : executor_(std::move(executor)), inputs_(inputs), outputs_(outputs) {
-  if (!executor_) throw std::invalid_argument("a learned model needs an executor");
+  if (!executor_) throw std::invalid_argument("executor: null; allowed: the model's executor");
   const ModelSizes sizes = executor_->sizes();
-  if (static_cast<int>(inputs_.size()) != sizes.inputs)
-    throw std::invalid_argument("a place is wanted for every input of the model");
-  for (const int place : inputs_)
-    if (place < 0) throw std::invalid_argument("an input of the model has no place");
+  math::check_option(static_cast<int>(inputs_.size()) == sizes.inputs, "inputs", inputs_.size(),
+                     std::to_string(sizes.inputs) + " indices, one for each input of the model");
+  for (const int place : inputs_) math::check_option(place >= 0, "inputs", place, "at least 0");
   for (const int place : outputs_)
-    if (place < 0 || place >= sizes.outputs)
-      throw std::invalid_argument("the model has not the outputs that are wanted");
+    math::check_option(place >= 0 && place < sizes.outputs, "outputs", place,
+                       "0 to below the model's " + std::to_string(sizes.outputs) + " outputs");
   input_.assign(sizes.inputs, 0.f);
   output_.assign(sizes.outputs, 0.f);
   answer_.setZero(static_cast<Eigen::Index>(outputs_.size()));

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
-#include <stdexcept>
 
+#include "core/math/option_check.hpp"
 #include "core/sensing/sensor_model.hpp"
 
 namespace palpate::sensing {
@@ -17,7 +17,7 @@ class Tare {
   using Vector = Eigen::Matrix<double, kSize, 1>;
 
   explicit Tare(int samples) : samples_(samples) {
-    if (samples < 1) throw std::invalid_argument("tare: samples must be at least 1");
+    math::check_option(samples >= 1, "tare_samples", samples, "at least 1");
   }
 
   void start() noexcept {

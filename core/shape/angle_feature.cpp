@@ -1,7 +1,6 @@
 #include "core/shape/angle_feature.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 namespace palpate::shape {
 namespace {
@@ -22,9 +21,10 @@ AngleFeature::AngleFeature(const mesh::ElementMesh& mesh, const Options& options
   Eigen::VectorXd value(1);
   evaluate(mesh.nodes, value);
   if (!is_defined_) {
-    throw std::invalid_argument(axis_ ? "feature angle: a direction lies along the axis"
-                                      : "feature angle: its directions lie on one line; name an "
-                                        "axis about which the angle is to count");
+    reject_points("angle", rest_points(),
+                  axis_ ? "directions that are not along the axis"
+                        : "directions that are not on one line, or an axis about which the angle "
+                          "has a sign");
   }
 }
 

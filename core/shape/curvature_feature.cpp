@@ -1,22 +1,21 @@
 #include "core/shape/curvature_feature.hpp"
 
-#include <stdexcept>
+#include "core/math/option_check.hpp"
 
 namespace palpate::shape {
 
 CurvatureFeature::CurvatureFeature(const mesh::ElementMesh& mesh, const Options& options)
     : MaterialFeature(mesh, checked_points("curvature", options.rest_points, 3, 5)),
       axis_(unit_axis("curvature", options.axis)) {
-  if (point_count() == 4) {
-    throw std::invalid_argument("feature curvature: has 3 or 5 points, not 4");
-  }
+  math::check_option(point_count() != 4, "feature curvature: rest_points", point_count(), "3 or 5");
   set_dimension(1);
   Eigen::VectorXd value(1);
   evaluate(mesh.nodes, value);
   if (!is_defined_) {
-    throw std::invalid_argument(
-        "feature curvature: its points lie on a straight line; name an axis about which the "
-        "curvature is to count");
+    reject_points(
+        "curvature", rest_points(),
+        "points that are not on a straight line, or an axis about which the curvature has "
+        "a sign");
   }
 }
 

@@ -1,10 +1,10 @@
 #include "core/shape/fourier_contour_feature.hpp"
 
-#include <Eigen/SVD>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "core/math/option_check.hpp"
+#include "core/math/singular_values.hpp"
 #include "core/shape/point_features.hpp"
 
 namespace palpate::shape {
@@ -40,19 +40,17 @@ Eigen::MatrixXd waves_at(const Eigen::VectorXd& arc, int harmonics, bool closed)
 
 Eigen::MatrixXd fit_of(const FourierContourFeature::Options& options) {
   const int points = static_cast<int>(options.rest_points.size());
-  if (options.harmonics < 1 || options.harmonics >= points) {
-    throw std::invalid_argument("feature fourier_contour: " + std::to_string(options.harmonics) +
-                                " harmonics of " + std::to_string(points) + " points");
-  }
+  const char* const kHarmonics = "feature fourier_contour: harmonics";
+  math::check_option(options.harmonics >= 1 && options.harmonics < points, kHarmonics,
+                     options.harmonics, "1 to below the " + std::to_string(points) + " points");
   const Eigen::MatrixXd waves =
       waves_at(arc_of(options.rest_points, options.closed), options.harmonics, options.closed);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(waves, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd& singular = svd.singularValues();
-  if (waves.cols() > points || singular[0] > kWorstCondition * singular[singular.size() - 1]) {
-    throw std::invalid_argument("feature fourier_contour: " + std::to_string(points) +
-                                " points so placed cannot resolve " +
-                                std::to_string(options.harmonics) + " harmonics");
-  }
+  math::check_option(
+      waves.cols() <= points && singular[0] <= kWorstCondition * singular[singular.size() - 1],
+      kHarmonics, options.harmonics,
+      "fewer, which " + std::to_string(points) + " points so placed can resolve");
   return svd.solve(Eigen::MatrixXd::Identity(points, points));
 }
 

@@ -5,16 +5,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::shape {
 namespace {
 
 constexpr double kFarthestOutside = 1e-3;  // m
-
-[[noreturn]] void refuse(const Eigen::Vector3d& point, const std::string& why) {
-  std::ostringstream text;
-  text << "feature point (" << point.transpose() << ") " << why;
-  throw std::invalid_argument(text.str());
-}
 
 }  // namespace
 
@@ -23,12 +19,12 @@ MaterialPoints::MaterialPoints(const mesh::ElementMesh& mesh,
     : rest_points_(std::move(rest_points)) {
   const mesh::PointLocator locator(mesh);
   for (const Eigen::Vector3d& point : rest_points_) {
-    if (!point.allFinite()) refuse(point, "is not finite");
+    math::check_option(point.allFinite(), "rest_points", point.transpose(), "finite coordinates");
     weights_.push_back(locator.locate(point));
     const double outside = weights_.back().outside;
-    if (outside > kFarthestOutside) {
-      refuse(point, "lies " + std::to_string(1e3 * outside) + " mm outside the mesh");
-    }
+    math::check_option(
+        outside <= kFarthestOutside, "rest_points", point.transpose(),
+        "at most 1 mm outside the mesh, not " + std::to_string(1e3 * outside) + " mm");
   }
 
   for (const mesh::PointWeights& w : weights_) {
@@ -100,28 +96,31 @@ bool MaterialFeature::is_valid_target(const double* target, int count) const noe
 std::optional<Eigen::Vector3d> unit_axis(const char* kind,
                                          const std::optional<Eigen::Vector3d>& axis) {
   if (!axis) return {};
-  if (!axis->allFinite() || !(axis->norm() > 1e-6)) {
-    throw std::invalid_argument("feature " + std::string(kind) + ": the axis is not a direction");
-  }
+  math::check_option(axis->allFinite() && axis->norm() > 1e-6,
+                     "feature " + std::string(kind) + ": axis", axis->transpose(),
+                     "a direction, longer than 1e-6");
   return axis->normalized();
+}
+
+void reject_points(const char* kind, const std::vector<Eigen::Vector3d>& points,
+                   const char* allowed) {
+  std::ostringstream given;
+  for (const Eigen::Vector3d& point : points) given << "(" << point.transpose() << ")";
+  throw std::invalid_argument("feature " + std::string(kind) + ": rest_points: " + given.str() +
+                              "; allowed: " + allowed);
 }
 
 const std::vector<Eigen::Vector3d>& checked_points(const char* kind,
                                                    const std::vector<Eigen::Vector3d>& points,
                                                    std::size_t least, std::size_t most) {
-  const auto refuse = [kind](const std::string& why) {
-    throw std::invalid_argument("feature " + std::string(kind) + ": " + why);
-  };
-  if (points.size() < least || points.size() > most) {
-    refuse("has " + std::to_string(least) +
-           (most > least ? " to " + std::to_string(most) : std::string()) + " points, not " +
-           std::to_string(points.size()));
-  }
+  math::check_option(
+      points.size() >= least && points.size() <= most,
+      "feature " + std::string(kind) + ": rest_points", points.size(),
+      std::to_string(least) + (most > least ? " to " + std::to_string(most) : std::string()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if ((points[i] - points[k]).norm() < kNearestPair) {
-        refuse("points " + std::to_string(k) + " and " + std::to_string(i) +
-               " are nearer than 1 mm");
+        reject_points(kind, {points[k], points[i]}, "points at least 1 mm apart");
       }
     }
   }

@@ -94,6 +94,10 @@ class MaterialFeature : public Feature {
 std::optional<Eigen::Vector3d> unit_axis(const char* kind,
                                          const std::optional<Eigen::Vector3d>& axis);
 
+/// Throws std::invalid_argument with the points of the feature `kind` and what is allowed instead.
+[[noreturn]] void reject_points(const char* kind, const std::vector<Eigen::Vector3d>& points,
+                                const char* allowed);
+
 /// Throws std::invalid_argument unless there are `least` to `most` points with pairwise distances
 /// of at least kNearestPair; `kind` is the feature's name for the message.
 const std::vector<Eigen::Vector3d>& checked_points(const char* kind,

@@ -13,8 +13,10 @@ const std::vector<int>& checked_components(const char* kind, const std::vector<i
   std::sort(sorted.begin(), sorted.end());
   const bool different = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
   if (sorted.empty() || !different || sorted.front() < 0 || sorted.back() > 2) {
-    throw std::invalid_argument("feature " + std::string(kind) +
-                                ": components must be different ones of x, y, z");
+    std::string given;
+    for (const int component : components) given += " " + std::to_string(component);
+    throw std::invalid_argument("feature " + std::string(kind) + ": components:" + given +
+                                "; allowed: distinct values of 0, 1, 2");
   }
   return components;
 }

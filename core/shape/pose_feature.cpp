@@ -1,7 +1,6 @@
 #include "core/shape/pose_feature.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 namespace palpate::shape {
 namespace {
@@ -16,9 +15,8 @@ bool spans_plane(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 PoseFeature::PoseFeature(const mesh::ElementMesh& mesh, const Options& options)
     : MaterialFeature(mesh, {options.rest_points.begin(), options.rest_points.end()}) {
   const std::vector<Eigen::Vector3d>& p = rest_points();
-  if (!spans_plane(p[1] - p[0], p[2] - p[0])) {
-    throw std::invalid_argument("the three points of a pose feature lie on a line");
-  }
+  if (!spans_plane(p[1] - p[0], p[2] - p[0]))
+    reject_points("pose", p, "points that are not on one line");
   set_dimension(6);
   const Eigen::Matrix3d third = Eigen::Matrix3d::Identity() / 3;
   by_points_.topRows<3>() << third, third, third;

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 using Local = Eigen::Matrix<double, 18, 1>;
 using LocalMatrix = Eigen::Matrix<double, 18, 18>;
 // Derivative of F, axes r, z, circumferential, with respect to (r, z) of each node.
-using Strain = Eigen::Matrix<double, 9, 18>;
+using LayerStrain = Eigen::Matrix<double, 9, 18>;
 
 constexpr double kPenalty = 2000;  // N/m^3 divided by (Young's modulus / R): penetration of 1e-3 R
 /// Grid lines from 0 to `length` whose spacing starts with `first` and grows by the factor
@@ -112,7 +112,7 @@ class Layer {
 
  private:
   struct Point {
-    Strain strain;
+    LayerStrain strain;
     double weight = 0;  // volume, m^3
   };
   struct Element {
@@ -165,7 +165,7 @@ class Layer {
 
   void add(const VectorXd& step, VectorXd& u) const {
     for (std::size_t k = 0; k < unknown_.size(); ++k) {
-      if (unknown_[k] >= 0) u[static_cast<Eigen::Index>(k)] += step[unknown_[k]];
+      if (unknown_[k] >= 0) u[k] += step[unknown_[k]];
     }
   }
 
@@ -263,7 +263,7 @@ class Layer {
   void scatter(const std::array<int, kNodes>& nodes, const Vector& f, VectorXd& forces) const {
     for (std::size_t a = 0; a < 2 * kNodes; ++a) {
       const int k = unknown_[2 * nodes[a / 2] + a % 2];
-      if (k >= 0) forces[k] += f[static_cast<Eigen::Index>(a)];
+      if (k >= 0) forces[k] += f[a];
     }
   }
 

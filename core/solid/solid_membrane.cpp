@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-Vector4d flat(const Matrix2d& m) { return Eigen::Map<const Vector4d>(m.data()); }
+Vector4d flattened(const Matrix2d& m) { return Eigen::Map<const Vector4d>(m.data()); }
 
 /// Foundation traction per area of a membrane displaced by u.
 struct Hold {
@@ -48,7 +48,7 @@ bool membrane_response(const Matrix2d& F, const MembraneVector& p, MembraneRespo
   const Matrix2d Q = 2 * (F - squeeze * G);
   response.energy = b > 1e-9 ? shear / (2 * b) * std::expm1(b * strain) : shear / 2 * strain;
   response.stress = first * Q;
-  Matrix4d slope = 4 * squeeze * flat(G) * flat(G).transpose();
+  Matrix4d slope = 4 * squeeze * flattened(G) * flattened(G).transpose();
   slope.diagonal().array() += 2;
   for (int k = 0; k < 2; ++k) {
     for (int l = 0; l < 2; ++l) {
@@ -56,10 +56,10 @@ bool membrane_response(const Matrix2d& F, const MembraneVector& p, MembraneRespo
       slope.block<2, 2>(2 * k, 2 * l) += 2 * squeeze * G.col(l) * G.col(k).transpose();
     }
   }
-  response.tangent = first * slope + first * b * flat(Q) * flat(Q).transpose();
+  response.tangent = first * slope + first * b * flattened(Q) * flattened(Q).transpose();
   response.by_parameter.setZero();
-  response.by_parameter.col(kShear) = flat(response.stress) / shear;
-  response.by_parameter.col(kStiffening) = strain * flat(response.stress);
+  response.by_parameter.col(kShear) = flattened(response.stress) / shear;
+  response.by_parameter.col(kStiffening) = strain * flattened(response.stress);
 
   const Vector2d a(std::cos(p[kAngle]), std::sin(p[kAngle])), across(-a.y(), a.x());
   const Vector2d Fa = F * a;
@@ -74,10 +74,10 @@ bool membrane_response(const Matrix2d& F, const MembraneVector& p, MembraneRespo
       response.tangent.block<2, 2>(2 * k, 2 * l) += fibre * a[k] * a[l] * block;
     }
   }
-  response.by_parameter.col(kFibre) = flat(pull);
+  response.by_parameter.col(kFibre) = flattened(pull);
   const Matrix2d turn = Fa.dot(F * across) * Fa * a.transpose() +
                         excess / 2 * (F * across * a.transpose() + Fa * across.transpose());
-  response.by_parameter.col(kAngle) = fibre * flat(turn);
+  response.by_parameter.col(kAngle) = fibre * flattened(turn);
   return true;
 }
 
@@ -170,7 +170,7 @@ double SolidMembrane::evaluate(const VectorXd& u, const MembraneVector& p, Syste
       for (int a = 0; a < 9; ++a) moved += point.shape[a] * local.segment<2>(2 * a);
       const Hold hold(moved, p);
       energy += point.area * (response.energy + hold.energy);
-      f += point.area * point.strain.transpose() * flat(response.stress);
+      f += point.area * point.strain.transpose() * flattened(response.stress);
       for (int a = 0; a < 9; ++a) {
         const double share = point.area * point.shape[a];
         f.segment<2>(2 * a) += share * hold.pressure;
@@ -235,14 +235,14 @@ bool SolidMembrane::press_on(const MembraneVector& p, const std::vector<Vector2d
   const auto gathered = [&] {
     VectorXd r(size_);
     for (std::size_t c = 0; c < unknown_.size(); ++c) {
-      if (unknown_[c] >= 0) r[unknown_[c]] = system.forces[static_cast<Eigen::Index>(c)];
+      if (unknown_[c] >= 0) r[unknown_[c]] = system.forces[c];
     }
     return r;
   };
   const auto moved = [&](const VectorXd& from, const VectorXd& step, double alpha) {
     VectorXd to = from;
     for (std::size_t c = 0; c < unknown_.size(); ++c) {
-      if (unknown_[c] >= 0) to[static_cast<Eigen::Index>(c)] += alpha * step[unknown_[c]];
+      if (unknown_[c] >= 0) to[c] += alpha * step[unknown_[c]];
     }
     return to;
   };

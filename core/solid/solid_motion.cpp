@@ -13,8 +13,6 @@ constexpr int kIterations = 40;       // maximum number of Newton steps
 constexpr double kTolerance = 1e-11;  // unbalanced forces relative to the largest force
 constexpr double kSlow = 0.2;         // contraction above which a new factor is computed
 
-double largest(const Matrix3Xd& field) { return field.colwise().norm().maxCoeff(); }
-
 }  // namespace
 
 SolidMotion::SolidMotion(SolidSolver& solver, SolidMotionProblem problem, const Matrix3Xd& x,
@@ -89,13 +87,13 @@ bool SolidMotion::correct(Matrix3Xd& x, Matrix3Xd& forces) {
   Matrix3Xd r = imbalance(x, forces);
   double scale = 0;
   for (int i = 0; i < kIterations; ++i) {
-    scale = std::max({largest(forces), largest(problem_.loads), scale});
-    const double size = largest(r), small = kTolerance * scale + solver_.rounding();
+    scale = std::max({largest_norm(forces), largest_norm(problem_.loads), scale});
+    const double size = largest_norm(r), small = kTolerance * scale + solver_.rounding();
     if (size <= small) return true;
     x += solver_.apply_inverse(-r);
     if (!evaluate()) return false;
     r = imbalance(x, forces);
-    if (largest(r) > kSlow * size && largest(r) > small &&
+    if (largest_norm(r) > kSlow * size && largest_norm(r) > small &&
         !factorise(solver_.tangent(x, problem_.coefficients))) {
       return false;
     }

@@ -38,8 +38,6 @@ elasticity::Body unit_body(const mesh::ElementMesh& mesh, const std::vector<int>
   return body;
 }
 
-double largest(const Matrix3Xd& field) { return field.colwise().norm().maxCoeff(); }
-
 }  // namespace
 
 SolidElements::SolidElements(const mesh::ElementMesh& mesh) : mesh_(mesh) {
@@ -174,7 +172,7 @@ bool SolidSolver::newton(const SolidCoefficients& c, const Matrix3Xd& loads, Mat
   const auto evaluate = [&] {
     const double energy = body_.elements().forces(x, c, forces);
     if (!std::isfinite(energy)) return energy;
-    scale = std::max(largest(forces), largest(loads));
+    scale = std::max(largest_norm(forces), largest_norm(loads));
     forces -= loads;
     clear_fixed(forces);
     return energy - (loads.array() * (x - body_.mesh().nodes).array()).sum();
@@ -182,7 +180,7 @@ bool SolidSolver::newton(const SolidCoefficients& c, const Matrix3Xd& loads, Mat
   double energy = evaluate();
   for (int i = 0; i < options.iterations; ++i) {
     if (!std::isfinite(energy)) return false;
-    const double begin = largest(forces);
+    const double begin = largest_norm(forces);
     if (!factorise(tangent(x, c))) return false;
     if (begin <= options.tolerance * scale + rounding()) return true;
     const Matrix3Xd step = apply_inverse(-forces), start = x;
@@ -194,7 +192,7 @@ bool SolidSolver::newton(const SolidCoefficients& c, const Matrix3Xd& loads, Mat
       // near convergence rounding errors exceed the changes of the energy, and the forces decide
       const double blind = rounding() * body_.extent();
       accepted = next <= energy + 1e-4 * alpha * slope ||
-                 (std::abs(next - energy) <= blind && largest(forces) < begin);
+                 (std::abs(next - energy) <= blind && largest_norm(forces) < begin);
       if (accepted) energy = next;
     }
     if (!accepted) return false;

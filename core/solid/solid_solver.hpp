@@ -10,6 +10,11 @@
 
 namespace palpate::solid {
 
+/// Largest Euclidean norm of a column.
+inline double largest_norm(const Eigen::Matrix3Xd& field) {
+  return field.colwise().norm().maxCoeff();
+}
+
 /// Ten-node tetrahedra of one hyperelastic solid (SolidCoefficients), for fitting. Constant after
 /// construction.
 class SolidElements {

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <cstring>
 #include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_mesh_v1_t.hpp>
 #include <palpate/shape_t.hpp>
+#include <palpate/shape_v1_t.hpp>
 
 namespace palpate::bus {
 
@@ -13,9 +15,13 @@ namespace palpate::bus {
 template <class Message>
 inline constexpr std::array<int, 0> kBeforeCounts{};
 template <>
-inline constexpr std::array<int, 2> kBeforeCounts<shape_t>{48, 0};
+inline constexpr std::array<int, 2> kBeforeCounts<shape_t>{56, 0};
+template <>
+inline constexpr std::array<int, 2> kBeforeCounts<shape_v1_t>{48, 0};
 template <>
 inline constexpr std::array<int, 4> kBeforeCounts<shape_mesh_t>{52, 4, 0, 0};
+template <>
+inline constexpr std::array<int, 4> kBeforeCounts<shape_mesh_v1_t>{52, 4, 0, 0};
 
 /// True if `size` bytes match exactly the counts they contain. Generated code allocates as many
 /// numbers as a count announces before it checks for them, and reads beyond the end if their size

@@ -219,10 +219,18 @@ class TypedPublisher {
 
   bool publish(const T& message) noexcept {
     const int size = message.getEncodedSize();
+    return publish_encoded(size, [&](std::uint8_t* to) { message.encode(to, 0, size); });
+  }
+
+  /// Same for a message of `size` bytes that `encode(std::uint8_t*)` writes to where it is sent
+  /// from; `encode` must be noexcept.
+  template <class Encode>
+  bool publish_encoded(int size, Encode encode) noexcept {
     Outlet* outlet = urgency_ == Urgency::kLater ? bus_->outlet() : nullptr;
     if (outlet == nullptr && size > static_cast<int>(buffer_.size())) buffer_.resize(size);
     std::uint8_t* data = outlet != nullptr ? outlet->buffer(size) : buffer_.data();
-    if (data == nullptr || message.encode(data, 0, size) < 0) return false;
+    if (data == nullptr) return false;
+    encode(data);
     if (MessageTap* tap = bus_->tap()) tap->note(channel_, data, size);
     return outlet != nullptr ? outlet->commit(channel_.c_str(), size)
                              : bus_->publish(channel_.c_str(), data, size);

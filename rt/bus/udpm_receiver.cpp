@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kLongestWork = 800'000;  // ns, maximum continuous work
 
-void increment(std::atomic<std::int64_t>& counter) noexcept {
+void count(std::atomic<std::int64_t>& counter) noexcept {
   counter.fetch_add(1, std::memory_order_relaxed);
 }
 
@@ -107,13 +107,13 @@ bool UdpmReceiver::receive_one() noexcept {
 }
 
 void UdpmReceiver::handle(const std::uint8_t* data, int size, std::int64_t arrival_ns) noexcept {
-  increment(counters_.received);
+  count(counters_.received);
   UdpmFrame frame{};
   switch (parse_udpm_frame(data, size, frame)) {
     case FrameKind::kMalformed:
-      return increment(counters_.malformed);
+      return count(counters_.malformed);
     case FrameKind::kFragment:
-      return increment(counters_.fragmented);
+      return count(counters_.fragmented);
     case FrameKind::kMessage:
       break;
   }
@@ -123,7 +123,7 @@ void UdpmReceiver::handle(const std::uint8_t* data, int size, std::int64_t arriv
     subscribed = true;
     subscription->offer(frame.payload, frame.payload_size, arrival_ns);
   }
-  if (!subscribed) increment(counters_.unsubscribed);
+  if (!subscribed) count(counters_.unsubscribed);
 }
 
 }  // namespace palpate::bus

@@ -17,41 +17,42 @@ std::ifstream open(const path& file) {
   std::ifstream stream(file);
   // neither a folder nor an endless device
   if (!stream || !std::filesystem::is_regular_file(file)) {
-    throw Error(file.string() + ": cannot be read");
+    throw std::runtime_error(file.string() + ": cannot be read");
   }
   return stream;
 }
 
-mesh::MeshWithGroups read(const path& file) {
+}  // namespace
+
+mesh::MeshWithGroups read_mesh(const std::string& name, mesh::OnFault on_fault) {
+  const path file(name);
   const std::string extension = file.extension().string();
-  std::ifstream stream = open(file);
-  if (extension == ".msh") return mesh::read_gmsh(stream, file.string());
-  if (extension == ".veg") {
-    const auto include = [&file](const std::string& name) {
-      std::ostringstream text;
-      text << open(file.parent_path() / name).rdbuf();
-      return text.str();
-    };
-    return mesh::read_vega(stream, file.string(), include);
-  }
   if (extension == ".node" || extension == ".ele") {
     const path node = path(file).replace_extension(".node");
     const path ele = path(file).replace_extension(".ele");
     std::ifstream nodes = open(node), elements = open(ele);
-    return {mesh::read_tetgen(nodes, node.string(), elements, ele.string()), {}, {}};
+    return mesh::read_tetgen(nodes, node.string(), elements, ele.string(), on_fault);
   }
-  throw Error(file.string() + ": unknown kind of mesh; allowed: .node, .ele, .msh, .veg");
+  std::ifstream stream = open(file);
+  if (extension == ".msh") return mesh::read_gmsh(stream, name, on_fault);
+  if (extension == ".veg") {
+    const auto include = [&file](const std::string& included) {
+      std::ostringstream text;
+      text << open(file.parent_path() / included).rdbuf();
+      return text.str();
+    };
+    return mesh::read_vega(stream, name, include, on_fault);
+  }
+  throw std::runtime_error(name + ": unknown kind of mesh; allowed: .node, .ele, .msh, .veg");
 }
-
-}  // namespace
 
 mesh::MeshWithGroups load_mesh_with_groups(const std::string& file) {
   try {
-    mesh::MeshWithGroups result = read(file);
+    mesh::MeshWithGroups result = read_mesh(file, mesh::OnFault::kThrow);
     mesh::orient(result.mesh);
     mesh::keep_curved_volume(result.mesh, result.middles);
     return result;
-  } catch (const mesh::ParseError& error) {
+  } catch (const std::runtime_error& error) {
     throw Error(error.what());
   } catch (const std::invalid_argument& error) {
     throw Error(file + ": " + error.what());

@@ -13,6 +13,10 @@ namespace palpate::config {
 /// (keep_curved_volume). Throws Error naming file and line.
 mesh::TetrahedralMesh load_mesh(const std::string& path);
 
+/// The mesh as it is in the file. Throws std::runtime_error naming file and line: ParseError if its
+/// content cannot be read.
+mesh::MeshWithGroups read_mesh(const std::string& path, mesh::OnFault on_fault);
+
 /// Same, with the named groups in Gmsh and Vega files.
 mesh::MeshWithGroups load_mesh_with_groups(const std::string& path);
 

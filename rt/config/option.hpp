@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
@@ -27,12 +28,12 @@ struct Option {
   std::string key;
   std::string unit;         // of the configured value; "": dimensionless
   std::string description;  // noun, then effect
-  Range range;              // of each number
+  Range range = {};         // of each number
   int count = 1;            // length, for kNumbers; -1: any
-  std::vector<std::string> choices;
-  OptionValue otherwise;  // value of an absent key, in `unit`
-  bool required = false;  // an absent key is an error
-  bool optional = false;  // an absent key has no value: the member keeps its default
+  std::vector<std::string> choices = {};
+  OptionValue otherwise = {};  // value of an absent key, in `unit`
+  bool required = false;       // an absent key is an error
+  bool optional = false;       // an absent key has no value: the member keeps its default
   std::vector<std::string> aliases = {};  // former names, accepted with a warning
 };
 
@@ -54,136 +55,69 @@ class OptionTable {
   explicit OptionTable(Options defaults = {}) : defaults_(std::move(defaults)) {}
 
   template <class Member>
-  OptionTable& number(std::string key, std::string unit, std::string description, Range range,
-                      Member member, double scale = 1) {
+  OptionTable& number(const std::string& key, const std::string& unit,
+                      const std::string& description, Range range, Member member,
+                      double scale = 1) {
     const double otherwise = std::invoke(member, defaults_) * (1 / scale);
-    return add({Option::Kind::kNumber,
-                std::move(key),
-                std::move(unit),
-                std::move(description),
-                range,
-                1,
-                {},
-                otherwise,
-                false},
-               [member, scale](Options& options, const OptionValue& value) {
-                 std::invoke(member, options) = std::get<double>(value) * scale;
-               });
+    return declare<double>({Option::Kind::kNumber, key, unit, description, range}, otherwise,
+                           member, [scale](double value) { return value * scale; });
   }
 
   template <class Member>
-  OptionTable& integer(std::string key, std::string description, Range range, Member member) {
-    const int otherwise = std::invoke(member, defaults_);
-    return add({Option::Kind::kInteger,
-                std::move(key),
-                "",
-                std::move(description),
-                range,
-                1,
-                {},
-                otherwise,
-                false},
-               [member](Options& options, const OptionValue& value) {
-                 std::invoke(member, options) = std::get<int>(value);
-               });
+  OptionTable& integer(const std::string& key, const std::string& description, Range range,
+                       Member member) {
+    return declare<int>({Option::Kind::kInteger, key, "", description, range},
+                        std::invoke(member, defaults_), member);
   }
 
   template <class Member>
-  OptionTable& flag(std::string key, std::string description, Member member) {
-    const bool otherwise = std::invoke(member, defaults_);
-    return add({Option::Kind::kFlag,
-                std::move(key),
-                "",
-                std::move(description),
-                {},
-                1,
-                {},
-                otherwise,
-                false},
-               [member](Options& options, const OptionValue& value) {
-                 std::invoke(member, options) = std::get<bool>(value);
-               });
+  OptionTable& flag(const std::string& key, const std::string& description, Member member) {
+    return declare<bool>({Option::Kind::kFlag, key, "", description},
+                         std::invoke(member, defaults_), member);
   }
 
   /// `choices`: names and the member's values. The default must be among them.
   template <class Value, class Member>
-  OptionTable& choice(std::string key, std::string description,
+  OptionTable& choice(const std::string& key, const std::string& description,
                       std::vector<std::pair<std::string, Value>> choices, Member member) {
-    std::vector<std::string> names;
+    Option option{Option::Kind::kChoice, key, "", description};
     std::string otherwise;
     for (const auto& [name, value] : choices) {
-      names.push_back(name);
+      option.choices.push_back(name);
       if (value == std::invoke(member, defaults_)) otherwise = name;
     }
-    return add({Option::Kind::kChoice,
-                std::move(key),
-                "",
-                std::move(description),
-                {},
-                1,
-                std::move(names),
-                otherwise,
-                false},
-               [member, choices = std::move(choices)](Options& options, const OptionValue& value) {
-                 for (const auto& [name, chosen] : choices)
-                   if (name == std::get<std::string>(value)) std::invoke(member, options) = chosen;
-               });
+    auto value_of = [choices = std::move(choices)](const std::string& given) {
+      for (const auto& [name, value] : choices)
+        if (name == given) return value;
+      throw std::out_of_range(given + ": not among the choices");
+    };
+    return declare<std::string>(std::move(option), otherwise, member, std::move(value_of));
   }
 
   template <class Member>
-  OptionTable& vector3(std::string key, std::string unit, std::string description, Range range,
-                       Member member) {
+  OptionTable& vector3(const std::string& key, const std::string& unit,
+                       const std::string& description, Range range, Member member) {
     const Eigen::Vector3d otherwise = std::invoke(member, defaults_);
-    return add({Option::Kind::kNumbers,
-                std::move(key),
-                std::move(unit),
-                std::move(description),
-                range,
-                3,
-                {},
-                std::vector<double>(otherwise.data(), otherwise.data() + 3),
-                false},
-               [member](Options& options, const OptionValue& value) {
-                 const auto& numbers = std::get<std::vector<double>>(value);
-                 std::invoke(member, options) = Eigen::Vector3d(numbers.data());
-               });
+    return declare<std::vector<double>>(
+        {Option::Kind::kNumbers, key, unit, description, range, 3},
+        {otherwise.data(), otherwise.data() + 3}, member,
+        [](const std::vector<double>& numbers) { return Eigen::Vector3d(numbers.data()); });
   }
 
   /// `count`: length of the list; -1: any.
   template <class Member>
-  OptionTable& numbers(std::string key, std::string unit, std::string description, Range range,
-                       int count, Member member) {
-    const std::vector<double> otherwise = std::invoke(member, defaults_);
-    return add({Option::Kind::kNumbers,
-                std::move(key),
-                std::move(unit),
-                std::move(description),
-                range,
-                count,
-                {},
-                otherwise,
-                false},
-               [member](Options& options, const OptionValue& value) {
-                 std::invoke(member, options) = std::get<std::vector<double>>(value);
-               });
+  OptionTable& numbers(const std::string& key, const std::string& unit,
+                       const std::string& description, Range range, int count, Member member) {
+    return declare<std::vector<double>>(
+        {Option::Kind::kNumbers, key, unit, description, range, count},
+        std::invoke(member, defaults_), member);
   }
 
   /// Path of a file, relative to the configuration that names it.
   template <class Member>
-  OptionTable& file(std::string key, std::string description, Member member) {
-    const std::string otherwise = std::invoke(member, defaults_);
-    return add({Option::Kind::kFile,
-                std::move(key),
-                "",
-                std::move(description),
-                {},
-                1,
-                {},
-                otherwise,
-                false},
-               [member](Options& options, const OptionValue& value) {
-                 std::invoke(member, options) = std::get<std::string>(value);
-               });
+  OptionTable& file(const std::string& key, const std::string& description, Member member) {
+    return declare<std::string>({Option::Kind::kFile, key, "", description},
+                                std::invoke(member, defaults_), member);
   }
 
   /// Makes the option declared last mandatory.
@@ -216,10 +150,10 @@ class OptionTable {
   template <class Part, class Member>
   OptionTable& part(const OptionTable<Part>& table, Member member) {
     for (const auto& entry : table.entries())
-      add(entry.option,
-          [member, assign = entry.assign](Options& options, const OptionValue& value) {
-            assign(std::invoke(member, options), value);
-          });
+      entries_.push_back({entry.option, [member, assign = entry.assign](Options& options,
+                                                                        const OptionValue& value) {
+                            assign(std::invoke(member, options), value);
+                          }});
     return *this;
   }
 
@@ -234,8 +168,21 @@ class OptionTable {
   const Options& defaults() const { return defaults_; }
 
  private:
-  OptionTable& add(Option option, std::function<void(Options&, const OptionValue&)> assign) {
-    entries_.push_back({std::move(option), std::move(assign)});
+  struct Same {
+    template <class Value>
+    const Value& operator()(const Value& value) const {
+      return value;
+    }
+  };
+
+  /// Appends an option that sets `member` to `convert(value)`; `otherwise`: value of an absent key.
+  template <class Value, class Member, class Convert = Same>
+  OptionTable& declare(Option option, Value otherwise, Member member, Convert convert = {}) {
+    option.otherwise = std::move(otherwise);
+    entries_.push_back({std::move(option), [member, convert = std::move(convert)](
+                                               Options& options, const OptionValue& value) {
+                          std::invoke(member, options) = convert(std::get<Value>(value));
+                        }});
     return *this;
   }
 

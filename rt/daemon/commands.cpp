@@ -1,9 +1,6 @@
 #include "rt/daemon/commands.hpp"
 
-#include <algorithm>
-#include <charconv>
 #include <cstdio>
-#include <cstring>
 #include <palpate/channels.hpp>
 
 #include "rt/bus/text.hpp"
@@ -16,24 +13,7 @@ using pipeline::LifeCycle;
 namespace {
 
 // Bounds the work per cycle under a message flood.
-constexpr int kMostPerCycle = 4;
-
-/// Appends to `text` up to the available capacity; returns the new end.
-char* append(char* at, char* end, std::string_view text) noexcept {
-  const std::size_t length = std::min(text.size(), static_cast<std::size_t>(end - at));
-  return std::copy_n(text.data(), length, at);
-}
-
-char* append_hexadecimal(char* at, char* end, std::int64_t number) noexcept {
-  constexpr int kDigits = 16;
-  char digits[kDigits];
-  const char* const last =
-      std::to_chars(digits, digits + kDigits, static_cast<std::uint64_t>(number), 16).ptr;
-  const auto count = static_cast<std::size_t>(last - digits);
-  at = append(at, end, "0x");
-  at = append(at, end, std::string_view("0000000000000000").substr(count));
-  return append(at, end, {digits, count});
-}
+constexpr int kMostCommandsPerCycle = 4;
 
 }  // namespace
 
@@ -43,15 +23,14 @@ Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std:
       targets_(control, channel::kShapeTarget, 2 * TargetAssembly::kMostChunks),
       command_admission_(channel::kComponentCommand, access),
       target_admission_(channel::kShapeTarget, access),
-      stamp_(session),
-      events_(housekeeping, channel::kComponentEvent, bus::Urgency::kLater) {}
+      events_(housekeeping, channel::kComponentEvent, session, bus::Urgency::kLater) {}
 
 void Commands::handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept {
   std::int64_t arrival_ns = 0;
-  for (int i = 0; i < kMostPerCycle && commands_.take(command_, arrival_ns); ++i)
+  for (int i = 0; i < kMostCommandsPerCycle && commands_.take(command_, arrival_ns); ++i)
     handle_command(pipeline, replacing, cycle, utime);
-  for (int i = 0; i < kMostPerCycle && targets_.take(target_, arrival_ns); ++i)
+  for (int i = 0; i < kMostCommandsPerCycle && targets_.take(target_, arrival_ns); ++i)
     handle_target(pipeline, utime);
 }
 
@@ -171,13 +150,11 @@ void Commands::announce(const char* slot, const char* instance, const char* comp
 
 void Commands::announce_wrong_type(const bus::Subscription& channel, std::int64_t utime) noexcept {
   char reason[200];
-  char* const end = reason + sizeof reason - 1;
-  char* at = append(reason, end, channel.channel());
-  at = append(at, end, ": messages of type ");
-  at = append_hexadecimal(at, end, channel.counters().last_wrong_fingerprint);
-  at = append(at, end, " are rejected, ");
-  at = append_hexadecimal(at, end, channel.fingerprint());
-  *append(at, end, " is expected") = '\0';
+  std::snprintf(reason, sizeof(reason),
+                "%s: messages of type 0x%016llx are rejected, 0x%016llx is expected",
+                channel.channel().c_str(),
+                static_cast<unsigned long long>(channel.counters().last_wrong_fingerprint),
+                static_cast<unsigned long long>(channel.fingerprint()));
   answer("bus", "wrong type", -1, reason, utime);
 }
 
@@ -198,12 +175,11 @@ void Commands::answer(const char* slot, const char* event, std::int64_t counter,
 
 void Commands::say(const char* slot, const char* event, std::int64_t counter, const char* reason,
                    std::int64_t utime) noexcept {
-  stamp_.put(event_, utime);
   bus::put_text(event_.slot, slot);
   bus::put_text(event_.event, event);
   bus::put_text(event_.reason, reason);
   event_.command_counter = counter;
-  events_.publish(event_);
+  events_.publish(event_, utime);
 }
 
 }  // namespace palpate::daemon

@@ -7,8 +7,7 @@
 #include <palpate/shape_target_t.hpp>
 
 #include "rt/bus/authentication.hpp"
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/replacing.hpp"
 #include "rt/daemon/target_assembly.hpp"
@@ -83,8 +82,7 @@ class Commands {
   std::array<std::int64_t, 3> rejected_reported_{};  // for commands, targets, manual forces
   std::int64_t rejected_reported_ns_ = 0;
 
-  bus::HeaderStamper stamp_;
-  bus::TypedPublisher<component_event_t> events_;
+  bus::StampedPublisher<component_event_t> events_;
   component_event_t event_{};
   boost::lockfree::spsc_queue<EventRecord, boost::lockfree::capacity<256>> log_;
 };

@@ -9,7 +9,7 @@ namespace {
 constexpr std::int64_t kInterval = 100'000'000;  // ns
 constexpr const char* kSlot = "sensing";
 
-bool same(const pipeline::Condition& a, const pipeline::Condition& b) noexcept {
+bool same_condition(const pipeline::Condition& a, const pipeline::Condition& b) noexcept {
   return a.state == b.state && std::strcmp(a.reason, b.reason) == 0;
 }
 
@@ -33,7 +33,7 @@ void ComponentReports::service(const pipeline::Pipeline& pipeline, Commands& com
     const pipeline::SensorReport report = pipeline.sensor_report(i);
     Reported& reported = reported_[i];
     report_faults(report, reported, commands, utime);
-    if (same(report.condition, reported.condition)) continue;
+    if (same_condition(report.condition, reported.condition)) continue;
     const bool fault = report.condition.state == pipeline::LifeCycle::kFaulted &&
                        reported.condition.state != pipeline::LifeCycle::kFaulted;
     if (!fault && reported.ns != 0 && now_ns - reported.ns < kInterval) continue;

@@ -36,10 +36,8 @@ Health::Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, st
                std::int64_t configuration_hash, std::int64_t mesh_hash)
     : control_(control),
       housekeeping_(housekeeping),
-      health_stamp_(session),
-      config_stamp_(session),
-      health_(housekeeping, channel::kHealth, bus::Urgency::kLater),
-      config_(housekeeping, channel::kConfig, bus::Urgency::kLater) {
+      health_(housekeeping, channel::kHealth, session, bus::Urgency::kLater),
+      config_(housekeeping, channel::kConfig, session, bus::Urgency::kLater) {
   bus::put_text(config_message_.version, PALPATE_VERSION);
   describe(configuration_hash, mesh_hash);
 }
@@ -65,7 +63,6 @@ bool Health::has_new_data(const pipeline::Condition& condition, const Inputs& in
 void Health::publish(const Counters& counters, const pipeline::Condition& condition,
                      const Inputs& inputs, const std::vector<pipeline::RunningModel>& models,
                      std::int64_t utime) noexcept {
-  health_stamp_.put(message_, utime);
   message_.state = static_cast<int>(condition.state);
   char reason[sizeof(message_.reason)];
   put_reason(condition, reason);
@@ -78,8 +75,8 @@ void Health::publish(const Counters& counters, const pipeline::Condition& condit
   message_.allocations = counters.allocations;
   message_.telemetry_dropped = control_.unpublished() + housekeeping_.unpublished();
   message_.gate_limited = counters.gate_limited;
-  message_.gate_refused = counters.gate_rejected;
-  message_.commands_refused = counters.commands_rejected;
+  message_.gate_rejected = counters.gate_rejected;
+  message_.commands_rejected = counters.commands_rejected;
 
   const auto microseconds = [](std::int64_t ns) { return static_cast<float>(ns) * 1e-3F; };
   message_.phase_count = kPhases;
@@ -118,12 +115,7 @@ void Health::publish(const Counters& counters, const pipeline::Condition& condit
     message_.model_late[i] = counts.late;
     message_.model_dropped[i] = counts.dropped;
   }
-  health_.publish(message_);
-}
-
-void Health::publish_config(std::int64_t utime) noexcept {
-  config_stamp_.put(config_message_, utime);
-  config_.publish(config_message_);
+  health_.publish(message_, utime);
 }
 
 }  // namespace palpate::daemon

@@ -6,8 +6,7 @@
 #include <palpate/config_t.hpp>
 #include <palpate/health_t.hpp>
 
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/loop/latency_histogram.hpp"
@@ -101,14 +100,13 @@ class Health {
                     std::int64_t now_ns) noexcept;
   /// Sets the content of CONFIG.
   void describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept;
-  void publish_config(std::int64_t utime) noexcept;
+  void publish_config(std::int64_t utime) noexcept { config_.publish(config_message_, utime); }
 
  private:
   const bus::MessageBus& control_;
   const bus::MessageBus& housekeeping_;
-  bus::HeaderStamper health_stamp_, config_stamp_;
-  bus::TypedPublisher<health_t> health_;
-  bus::TypedPublisher<config_t> config_;
+  bus::StampedPublisher<health_t> health_;
+  bus::StampedPublisher<config_t> config_;
   std::int64_t news_ns_ = 0;    // time of the last important change
   std::int64_t troubles_ = -1;  // losses and rejections of inputs at that time
   health_t message_{};

@@ -1,7 +1,17 @@
 #include "rt/daemon/inputs.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <palpate/biotac_t.hpp>
 #include <palpate/channels.hpp>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/manual_force_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_observation_t.hpp>
+
+#include "rt/bus/session.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -117,10 +127,6 @@ bool convert(const shape_observation_t& m, sensing::ShapeObservation& out) noexc
   return true;
 }
 
-constexpr auto kConvert = [](const auto& message, auto& out) noexcept {
-  return convert(message, out);
-};
-
 /// True if two samples have the same values, whatever their times.
 bool same(const sensing::ForceTorque& a, const sensing::ForceTorque& b) noexcept {
   return a.F_S.force == b.F_S.force && a.F_S.torque == b.F_S.torque;
@@ -143,157 +149,182 @@ bool same(const Sample&, const Sample&) noexcept {
 
 }  // namespace
 
-Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names,
-                                 const FrozenAfter& frozen_after)
-    : force_torque(bus, names[0], 64, frozen_after.force_torque),
-      inertial(bus, names[1], 32, frozen_after.inertial),
-      robot(bus, names[2], 32, frozen_after.robot),
-      hand(bus, names[3], 8) {
-  force_torque.lock_to_first_publisher();
-  inertial.lock_to_first_publisher();
-  robot.lock_to_first_publisher();
-  hand.lock_to_first_publisher();
+/// An input of HEALTH.
+class Inputs::Channel {
+ public:
+  virtual ~Channel() = default;
+  virtual void drain(std::int64_t now_ns, bool stepped) noexcept = 0;
+  virtual InputReport report() const noexcept = 0;
+  /// Restarted by the last drain().
+  bool session_restarted() const noexcept { return session_restarted_; }
+  void set_of_arm() noexcept { is_of_arm_ = true; }
+  bool is_of_arm() const noexcept { return is_of_arm_; }
+
+ protected:
+  bool session_restarted_ = false;
+
+ private:
+  bool is_of_arm_ = false;
+};
+
+/// Messages of one type, and the stream that they become.
+template <class Message, class Stream>
+class Inputs::ChannelOf final : public Channel {
+ public:
+  ChannelOf(bus::MessageBus& bus, const char* name, int depth, Stream& stream, double frozen_after,
+            bus::ReplayGuard& manual_admission)
+      : name_(name),
+        queue_(bus, name, depth),
+        stream_(stream),
+        frozen_after_ns_(static_cast<std::int64_t>(frozen_after * 1e9)),
+        manual_admission_(manual_admission) {
+    if constexpr (!kIsManual) queue_.lock_to_first_publisher(kSilence);
+  }
+
+  void drain(std::int64_t now_ns, bool stepped) noexcept override {
+    stream_.fresh_count = 0;
+    session_restarted_ = false;
+    std::int64_t arrival_ns = 0;
+    for (int i = 0; i < kMostPerCycle && queue_.take(message_, arrival_ns); ++i) {
+      if (!is_admitted()) {
+        ++invalid_;
+        continue;
+      }
+      if (!sequence_.accept(message_.session, message_.seq)) continue;
+      if (sequence_.sessions() > sessions_) {
+        session_restarted_ = sessions_ > 0;
+        sessions_ = sequence_.sessions();
+      }
+      Sample& sample = is_full() ? surplus_ : stream_.fresh[stream_.fresh_count];
+      if (!convert(message_, sample)) {
+        ++invalid_;
+        continue;
+      }
+      if (stepped) arrival_ns = now_ns;
+      if (is_frozen(sample, arrival_ns)) {
+        ++frozen_;
+        continue;
+      }
+      accept(sample);
+      arrival_ns_ = arrival_ns;
+    }
+    if (stream_.freshness == Freshness::kNoData) return;
+    if (stream_.fresh_count == 0) stream_.freshness = Freshness::kOld;
+    stream_.age = static_cast<double>(now_ns - arrival_ns_) * 1e-9;
+    age_ = stream_.age;
+  }
+
+  InputReport report() const noexcept override {
+    const bus::SubscriptionCounters& queue = queue_.counters();
+    return {
+        name_,
+        queue.received,
+        sequence_.lost() + queue.dropped,
+        queue.wrong_size + queue.wrong_type + queue.other_sender + sequence_.rejected() + invalid_,
+        frozen_,
+        age_};
+  }
+
+ private:
+  using Sample = decltype(Stream::latest);
+  static constexpr bool kIsManual = std::is_same_v<Message, manual_force_t>;
+  /// ns of silence before another publisher of the same channel is accepted: much longer than the
+  /// timeout of a silent sensor, so that a stray publisher does not take over when a machine
+  /// stalls.
+  static constexpr std::int64_t kSilence = 200'000'000;
+
+  /// Whether the sender is authorised; checked for manual forces only.
+  bool is_admitted() noexcept {
+    if constexpr (kIsManual) return manual_admission_.judge(message_) == bus::Admitted::kFresh;
+    return true;
+  }
+
+  /// Counts repetitions of the values; true if the sensor is frozen.
+  bool is_frozen(const Sample& now, std::int64_t arrival_ns) noexcept {
+    constexpr int kRepeats = 10;  // minimum, so that a gap between two messages does not count
+    if (frozen_after_ns_ == 0 || !same(stream_.latest, now)) {
+      changed_ns_ = arrival_ns;
+      repeats_ = 0;
+      return false;
+    }
+    ++repeats_;
+    return repeats_ >= kRepeats && arrival_ns - changed_ns_ > frozen_after_ns_;
+  }
+
+  bool is_full() const noexcept {
+    return stream_.fresh_count == static_cast<int>(stream_.fresh.size());
+  }
+
+  /// `sample` is the stream's next, or the surplus of a full stream, which keeps the newest.
+  void accept(const Sample& sample) noexcept {
+    if (is_full()) {
+      std::move(stream_.fresh.begin() + 1, stream_.fresh.end(), stream_.fresh.begin());
+      stream_.fresh.back() = sample;
+    } else {
+      ++stream_.fresh_count;
+    }
+    stream_.latest = sample;
+    stream_.freshness = Freshness::kNew;
+  }
+
+  const char* name_;
+  bus::TypedSubscription<Message> queue_;
+  Stream& stream_;
+  std::int64_t frozen_after_ns_;  // 0: unlimited
+  bus::ReplayGuard& manual_admission_;
+  bus::SequenceTracker sequence_;
+  std::int64_t invalid_ = 0;
+  std::int64_t arrival_ns_ = 0;
+  std::int64_t changed_ns_ = 0;  // time of the last change of the values
+  int repeats_ = 0;              // number of messages with the same values since
+  std::int64_t frozen_ = 0;
+  std::int64_t sessions_ = 0;  // of the sender so far
+  double age_ = -1;
+  Message message_;
+  Sample surplus_;
+};
+
+template <class Message, class Stream>
+Inputs::Channel& Inputs::add(bus::MessageBus& bus, const char* name, int depth, Stream& stream,
+                             double frozen_after) {
+  channels_.push_back(std::make_unique<ChannelOf<Message, Stream>>(
+      bus, name, depth, stream, frozen_after, manual_admission_));
+  return *channels_.back();
+}
+
+void Inputs::add_arm(bus::MessageBus& bus, int arm, const FrozenAfter& frozen_after) {
+  const std::array<const char*, 4>& names = kArmChannels[arm];
+  sensing::Signals& to = signals_[arm];
+  add<ft_wrench_t>(bus, names[0], 64, to.force_torque, frozen_after.force_torque).set_of_arm();
+  add<imu_t>(bus, names[1], 32, to.inertial, frozen_after.inertial).set_of_arm();
+  add<robot_state_t>(bus, names[2], 32, to.robot, frozen_after.robot).set_of_arm();
+  add<hand_state_t>(bus, names[3], 8, to.hand).set_of_arm();
 }
 
 Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after,
                const bus::Access& access)
-    : first_(control, kArmChannels[0], frozen_after),
-      second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1], frozen_after)
-                       : nullptr),
-      manual_(control, channel::kManualForce, 8),
-      manual_admission_(channel::kManualForce, access),
-      observation_(control, channel::kShapeObservation, 4) {
-  observation_.lock_to_first_publisher();
-  for (std::size_t i = 0; i < biotac_.size(); ++i) {
-    biotac_[i] =
-        std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
-    biotac_[i]->lock_to_first_publisher();
-  }
+    : manual_admission_(channel::kManualForce, access) {
+  add_arm(control, 0, frozen_after);
+  add<manual_force_t>(control, channel::kManualForce, 8, signals_[0].manual);
+  for (std::size_t i = 0; i < kBiotacChannels.size(); ++i)
+    add<biotac_t>(control, kBiotacChannels[i], 8, signals_[0].biotac[i], frozen_after.biotac);
+  add<shape_observation_t>(control, channel::kShapeObservation, 4, signals_[0].observation);
+  if (arms > 1) add_arm(control, 1, frozen_after);
 }
 
-template <class Message, class Sample>
-bool Inputs::is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
-                       std::int64_t arrival_ns) noexcept {
-  constexpr int kRepeats = 10;  // minimum count, so that a gap between two messages does not count
-  if (channel.frozen_after_ns == 0 || !same(before, now)) {
-    channel.changed_ns = arrival_ns;
-    channel.repeats = 0;
-    return false;
-  }
-  ++channel.repeats;
-  return channel.repeats >= kRepeats && arrival_ns - channel.changed_ns > channel.frozen_after_ns;
-}
-
-template <class Message>
-bool Inputs::admitted(const Message& message) noexcept {
-  if constexpr (std::is_same_v<Message, manual_force_t>) {
-    return manual_admission_.judge(message) == bus::Admitted::kFresh;
-  }
-  return true;
-}
-
-template <class Message, class Stream, class Convert>
-void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
-                   Convert to_signal) noexcept {
-  stream.fresh_count = 0;
-  channel.session_restarted = false;
-  std::int64_t arrival_ns = 0;
-  for (int i = 0; i < kMostPerCycle && channel.queue.take(channel.message, arrival_ns); ++i) {
-    if (!admitted(channel.message)) {
-      ++channel.invalid;
-      continue;
-    }
-    if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
-    if (channel.sequence.sessions() > channel.sessions) {
-      channel.session_restarted = channel.sessions > 0;
-      channel.sessions = channel.sequence.sessions();
-    }
-    auto candidate = stream.latest;
-    if (!to_signal(channel.message, candidate)) {
-      ++channel.invalid;
-      continue;
-    }
-    if (stepped) arrival_ns = now_ns;
-    if (is_frozen(channel, stream.latest, candidate, arrival_ns)) {
-      ++channel.frozen;
-      continue;
-    }
-    stream.latest = candidate;
-    channel.arrival_ns = arrival_ns;
-    if (stream.fresh_count < static_cast<int>(stream.fresh.size())) {
-      stream.fresh[stream.fresh_count++] = stream.latest;
-    } else {  // keep the newest
-      std::move(stream.fresh.begin() + 1, stream.fresh.end(), stream.fresh.begin());
-      stream.fresh.back() = stream.latest;
-    }
-    stream.freshness = Freshness::kNew;
-  }
-  if (stream.freshness == Freshness::kNoData) return;
-  if (stream.fresh_count == 0) stream.freshness = Freshness::kOld;
-  stream.age = static_cast<double>(now_ns - channel.arrival_ns) * 1e-9;
-  channel.age = stream.age;
-}
-
-void Inputs::drain(ArmChannels& arm, sensing::Signals& signals, std::int64_t now_ns,
-                   bool stepped) noexcept {
-  drain(arm.force_torque, signals.force_torque, now_ns, stepped, kConvert);
-  drain(arm.inertial, signals.inertial, now_ns, stepped, kConvert);
-  drain(arm.robot, signals.robot, now_ns, stepped, kConvert);
-  drain(arm.hand, signals.hand, now_ns, stepped, kConvert);
-}
+Inputs::~Inputs() = default;
 
 void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
   for (sensing::Signals& signals : signals_) signals.dt = dt;
-  drain(first_, signals_[0], now_ns, stepped);
-  if (second_) drain(*second_, signals_[1], now_ns, stepped);
-  drain(manual_, signals_[0].manual, now_ns, stepped, kConvert);
-  for (std::size_t i = 0; i < biotac_.size(); ++i) {
-    drain(*biotac_[i], signals_[0].biotac[i], now_ns, stepped, kConvert);
-  }
-  drain(observation_, signals_[0].observation, now_ns, stepped, kConvert);
+  for (const auto& channel : channels_) channel->drain(now_ns, stepped);
 }
 
 bool Inputs::any_session_restarted() const noexcept {
-  const auto session_restarted = [](const ArmChannels& arm) {
-    return arm.force_torque.session_restarted || arm.inertial.session_restarted ||
-           arm.robot.session_restarted || arm.hand.session_restarted;
-  };
-  return session_restarted(first_) || (second_ && session_restarted(*second_));
+  return std::any_of(channels_.begin(), channels_.end(), [](const auto& channel) {
+    return channel->is_of_arm() && channel->session_restarted();
+  });
 }
 
-template <class Message>
-InputReport Inputs::report_of(const Channel<Message>& channel) noexcept {
-  const bus::SubscriptionCounters& queue = channel.queue.counters();
-  InputReport report;
-  report.name = channel.name;
-  report.received = queue.received;
-  report.lost = channel.sequence.lost() + queue.dropped;
-  report.rejected = queue.wrong_size + queue.wrong_type + queue.other_sender +
-                    channel.sequence.rejected() + channel.invalid;
-  report.frozen = channel.frozen;
-  report.age = channel.age;
-  return report;
-}
-
-InputReport Inputs::report_of(const ArmChannels& arm, int channel) noexcept {
-  switch (channel) {
-    case 0:
-      return report_of(arm.force_torque);
-    case 1:
-      return report_of(arm.inertial);
-    case 2:
-      return report_of(arm.robot);
-    default:
-      return report_of(arm.hand);
-  }
-}
-
-InputReport Inputs::report(int channel) const noexcept {
-  if (channel < 4) return report_of(first_, channel);
-  if (channel == 4) return report_of(manual_);
-  if (channel < 10) return report_of(*biotac_[channel - 5]);
-  if (channel == 10) return report_of(observation_);
-  return report_of(*second_, channel - 11);
-}
+InputReport Inputs::report(int channel) const noexcept { return channels_[channel]->report(); }
 
 }  // namespace palpate::daemon

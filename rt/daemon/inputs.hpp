@@ -3,20 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <palpate/biotac_t.hpp>
-#include <palpate/ft_wrench_t.hpp>
-#include <palpate/hand_state_t.hpp>
-#include <palpate/imu_t.hpp>
-#include <palpate/manual_force_t.hpp>
-#include <palpate/robot_state_t.hpp>
-#include <palpate/shape_observation_t.hpp>
 #include <string>
 #include <vector>
 
 #include "core/sensing/signals.hpp"
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
 
 namespace palpate::daemon {
 
@@ -48,6 +40,9 @@ class Inputs {
   /// `access`: access control of manual forces.
   explicit Inputs(bus::MessageBus& control, int arms = 1, const FrozenAfter& frozen_after = {},
                   const bus::Access& access = {});
+  ~Inputs();
+  Inputs(const Inputs&) = delete;
+  Inputs& operator=(const Inputs&) = delete;
 
   /// Drains all queues into the streams, with ages as of `now_ns` (CLOCK_MONOTONIC or virtual).
   /// `stepped`: messages count as arrived at `now_ns`, because they were timed by another clock.
@@ -55,8 +50,7 @@ class Inputs {
 
   /// Signals of arm 0 and of everything not assigned to an arm, or of arm 1.
   const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
-  int arm_count() const noexcept { return second_ ? 2 : 1; }
-  int channel_count() const noexcept { return second_ ? 15 : 11; }
+  int channel_count() const noexcept { return static_cast<int>(channels_.size()); }
   const bus::ReplayGuard& manual_admission() const noexcept { return manual_admission_; }
   InputReport report(int channel) const noexcept;  // the second arm's channels come last
 
@@ -65,65 +59,17 @@ class Inputs {
   bool any_session_restarted() const noexcept;
 
  private:
-  template <class Message>
-  struct Channel {
-    Channel(bus::MessageBus& bus, const char* channel, int depth, double frozen_after = 0)
-        : name(channel),
-          queue(bus, channel, depth),
-          frozen_after_ns(static_cast<std::int64_t>(frozen_after * 1e9)) {}
-    void lock_to_first_publisher() noexcept { queue.lock_to_first_publisher(kSilence); }
-    /// ns of silence before another publisher of the same channel is accepted: much longer than the
-    /// timeout of a silent sensor, so that a stray publisher does not take over when a machine
-    /// stalls.
-    static constexpr std::int64_t kSilence = 200'000'000;
-    const char* name;
-    bus::TypedSubscription<Message> queue;
-    bus::SequenceTracker sequence;
-    std::int64_t invalid = 0;
-    std::int64_t arrival_ns = 0;
-    std::int64_t frozen_after_ns;  // 0: unlimited
-    std::int64_t changed_ns = 0;   // time of the last change of the values
-    int repeats = 0;               // number of messages with the same values since
-    std::int64_t frozen = 0;
-    std::int64_t sessions = 0;       // sessions of the sender so far
-    bool session_restarted = false;  // restarted by the last read()
-    double age = -1;
-    Message message;
-  };
-
-  template <class Message, class Stream, class Convert>
-  void drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
-             Convert convert) noexcept;
-  /// Whether the sender is authorised; checked for manual forces only.
-  template <class Message>
-  bool admitted(const Message& message) noexcept;
-  /// Counts repetitions of the values; true if the sensor is frozen.
-  template <class Message, class Sample>
-  static bool is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
-                        std::int64_t arrival_ns) noexcept;
-  template <class Message>
-  static InputReport report_of(const Channel<Message>& channel) noexcept;
-
-  /// Channels of an arm and its hand; `names` in the order of the members.
-  struct ArmChannels {
-    ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names,
-                const FrozenAfter& frozen_after);
-    Channel<ft_wrench_t> force_torque;
-    Channel<imu_t> inertial;
-    Channel<robot_state_t> robot;
-    Channel<hand_state_t> hand;
-  };
-  void drain(ArmChannels& arm, sensing::Signals& signals, std::int64_t now_ns,
-             bool stepped) noexcept;
-  static InputReport report_of(const ArmChannels& arm, int channel) noexcept;
+  class Channel;
+  template <class Message, class Stream>
+  class ChannelOf;
+  template <class Message, class Stream>
+  Channel& add(bus::MessageBus& bus, const char* name, int depth, Stream& stream,
+               double frozen_after = 0);
+  void add_arm(bus::MessageBus& bus, int arm, const FrozenAfter& frozen_after);
 
   std::array<sensing::Signals, 2> signals_;
-  ArmChannels first_;
-  std::unique_ptr<ArmChannels> second_;
-  Channel<manual_force_t> manual_;
   bus::ReplayGuard manual_admission_;
-  std::array<std::unique_ptr<Channel<biotac_t>>, 5> biotac_;
-  Channel<shape_observation_t> observation_;
+  std::vector<std::unique_ptr<Channel>> channels_;  // in the order of report()
 };
 
 /// Detects messages of a different type, or a different version of it, on the channels of a bus.

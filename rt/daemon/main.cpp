@@ -186,6 +186,11 @@ struct Options {
 
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
+/// Zero command.
+void finish(Daemon& daemon) noexcept {
+  daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+}
+
 /// The loop's thread never returns from a plug-in: the process ends without it.
 void end_if_hung(const PluginWatchdog& watchdog) {
   if (watchdog.hung() == nullptr) return;
@@ -203,15 +208,13 @@ void run_real_time(Daemon& daemon, const sigset_t& signals, bool has_plugins) {
   options.enabled = has_plugins;
   if (daemon.settings().loop.fifo_priority > 0)
     options.fifo_priority = daemon.settings().loop.fifo_priority + 1;
-  PluginWatchdog watchdog(options, cycles, [&daemon](const char*) {
-    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
-  });
+  PluginWatchdog watchdog(options, cycles, [&daemon](const char*) { finish(daemon); });
   std::thread thread([&] {
     name_this_thread("palpated-loop");
     const auto watched = watchdog.watch_this_thread();
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
-    const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
-    if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
+    const std::string refusals = loop.acquire_real_time();
+    if (!refusals.empty()) spdlog::warn("real time: {}", refusals);
     std::atomic<bool> ended{false};
     std::int64_t stopped_ns = 0;
     loop.run(ended, [&](const palpate::loop::FixedRateLoop::Tick& tick) {
@@ -223,7 +226,7 @@ void run_real_time(Daemon& daemon, const sigset_t& signals, bool has_plugins) {
       ended = stopped_ns != 0 && (daemon.is_still() || tick.now_ns - stopped_ns > kLongestRamp);
       cycles.fetch_add(1, std::memory_order_relaxed);
     });
-    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+    finish(daemon);
   });
   wait_for_end(signals, daemon, watchdog, cycles);
   end_if_hung(watchdog);
@@ -239,9 +242,7 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   PluginWatchdog::Options options;
   options.enabled = has_plugins;
   options.patience = 1;  // a cycle may take longer than in real time
-  PluginWatchdog watchdog(options, rounds, [&daemon](const char*) {
-    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
-  });
+  PluginWatchdog watchdog(options, rounds, [&daemon](const char*) { finish(daemon); });
   std::thread thread([&] {
     name_this_thread("palpated-loop");
     const auto watched = watchdog.watch_this_thread();

@@ -1,11 +1,6 @@
 #pragma once
 
-#include <palpate/shape_mesh_t.hpp>
-#include <palpate/shape_t.hpp>
-#include <vector>
-
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/shape_chunks.hpp"
 #include "rt/pipeline/pipeline.hpp"
 #include "rt/registry/object.hpp"
 
@@ -21,17 +16,14 @@ class MeshTelemetry {
   void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
                      bus::HeaderStamper& stamp, std::int64_t utime) noexcept;
   /// Publishes one chunk of SHAPE_MESH; the next call publishes the next one.
-  void publish_mesh_chunk(bus::HeaderStamper& stamp, std::int64_t utime) noexcept;
-  int mesh_chunks() const noexcept { return static_cast<int>(mesh_.size()); }
+  void publish_mesh_chunk(bus::HeaderStamper& stamp, std::int64_t utime) noexcept {
+    mesh_.publish_chunk(stamp, utime);
+  }
+  int mesh_chunks() const noexcept { return mesh_.chunks(); }
 
  private:
-  void prepare_mesh(const registry::Object& object);
-
-  bus::TypedPublisher<shape_t> shape_;
-  bus::TypedPublisher<shape_mesh_t> mesh_publisher_;
-  shape_t shape_message_{};
-  std::vector<shape_mesh_t> mesh_;
-  std::size_t next_chunk_ = 0;
+  bus::ShapePublisher shape_;
+  bus::MeshPublisher mesh_;
 };
 
 }  // namespace palpate::daemon

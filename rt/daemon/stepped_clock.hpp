@@ -15,9 +15,7 @@ namespace palpate::daemon {
 class SteppedClock {
  public:
   SteppedClock(bus::MessageBus& control, std::int64_t session)
-      : ticks_(control, channel::kSimTick, 8),
-        done_(control, channel::kTickDone),
-        stamp_(session) {}
+      : ticks_(control, channel::kSimTick, 8), done_(control, channel::kTickDone, session) {}
 
   /// Executes received ticks; false if there were none.
   bool run_pending(Daemon& daemon) noexcept {
@@ -40,17 +38,15 @@ class SteppedClock {
         now.stepped = true;
         daemon.tick(now);
       }
-      stamp_.put(answer_, tick_.utime);
       answer_.tick = tick_.tick;
-      done_.publish(answer_);
+      done_.publish(answer_, tick_.utime);
     }
     return any;
   }
 
  private:
   bus::TypedSubscription<sim_tick_t> ticks_;
-  bus::TypedPublisher<tick_done_t> done_;
-  bus::HeaderStamper stamp_;
+  bus::StampedPublisher<tick_done_t> done_;
   sim_tick_t tick_{};
   tick_done_t answer_{};
   std::int64_t sim_session_ = 0;

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/handover_ring.hpp"
 #include "rt/loop/real_time.hpp"
 
@@ -28,12 +29,6 @@ struct Parcel {
   bool good = true;
   std::vector<float> values;
 };
-
-std::int64_t now() noexcept {
-  timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return time.tv_sec * kSecond + time.tv_nsec;
-}
 
 /// Counting semaphore between two threads; waiting takes no lock and may be bounded.
 class Bell {
@@ -143,7 +138,7 @@ TorchExecutor::TorchExecutor(std::unique_ptr<SequenceModel> model,
         shared->work(options.fifo_priority);
         shared.reset();
       });
-  const bool came_back = shared_->ready.wait_until(now() + kWarmUpLimit);
+  const bool came_back = shared_->ready.wait_until(loop::monotonic_ns() + kWarmUpLimit);
   if (came_back && shared_->warm) {
     report_refusals();
     return;
@@ -177,7 +172,7 @@ void TorchExecutor::demote() noexcept {
 void TorchExecutor::leave() noexcept {
   shared_->stop.store(true, std::memory_order_release);
   shared_->sample_bell.ring();
-  if (shared_->ended.wait_until(now() + kSecond)) {
+  if (shared_->ended.wait_until(loop::monotonic_ns() + kSecond)) {
     shared_->thread.join();
   } else {
     demote();
@@ -191,7 +186,7 @@ const char* TorchExecutor::kind() const noexcept { return shared_->model->kind()
 Answer TorchExecutor::step(const float* input, float* output) noexcept {
   ++counters_.steps;
   if (failed_) return Answer::kFault;
-  const std::int64_t start = now();
+  const std::int64_t start = loop::monotonic_ns();
   if (given_ == answered_) since_ = start;
   Parcel& sample = shared_->samples.back();
   sample.number = ++given_;
@@ -220,7 +215,7 @@ Answer TorchExecutor::step(const float* input, float* output) noexcept {
     if (!shared_->answer_bell.wait_until(deadline)) break;
   }
   ++counters_.late;
-  if (now() - since_ >= std::llround(options_.patience * 1e9)) {
+  if (loop::monotonic_ns() - since_ >= std::llround(options_.patience * 1e9)) {
     failed_ = true;
     ++counters_.faults;
     demote();
@@ -234,7 +229,7 @@ Answer TorchExecutor::step(const float* input, float* output) noexcept {
 void TorchExecutor::reset() noexcept {
   ++sequence_;
   failed_ = has_answer_ = false;
-  since_ = now();
+  since_ = loop::monotonic_ns();
 }
 
 }  // namespace palpate::inference

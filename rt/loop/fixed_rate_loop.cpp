@@ -73,27 +73,21 @@ std::int64_t monotonic_ns() noexcept {
 FixedRateLoop::FixedRateLoop(const LoopOptions& options)
     : options_(options), grid_(nanoseconds_of(options.period)) {}
 
-RealTimeGrant FixedRateLoop::acquire_real_time() {
-  RealTimeGrant grant;
-  const auto granted = [&grant](const std::string& refusal) {
-    if (!refusal.empty()) grant.remarks += (grant.remarks.empty() ? "" : "\n") + refusal;
-    return refusal.empty();
+std::string FixedRateLoop::acquire_real_time() {
+  std::string refusals;
+  const auto note = [&refusals](const std::string& refusal) {
+    if (!refusal.empty()) refusals += (refusals.empty() ? "" : "\n") + refusal;
   };
   // Affinity and priority come last, so that prefaulting does not delay other threads.
-  if (options_.lock_memory) grant.memory_locked = granted(lock_and_prefault_memory());
-  if (options_.cpu >= 0) grant.affinity = granted(take_cpu(options_.cpu));
-  if (options_.fifo_priority > 0) grant.fifo = granted(take_fifo(options_.fifo_priority));
-  return grant;
+  if (options_.lock_memory) note(lock_and_prefault_memory());
+  if (options_.cpu >= 0) note(take_cpu(options_.cpu));
+  if (options_.fifo_priority > 0) note(take_fifo(options_.fifo_priority));
+  return refusals;
 }
 
 Tick FixedRateLoop::wait() noexcept {
   sleep_until(grid_.begin_wait(monotonic_ns()));
-  const Tick tick = grid_.end_wait(monotonic_ns());
-  ++statistics_.cycles;
-  statistics_.overruns = grid_.overruns();
-  statistics_.overrun_ns = grid_.overrun_ns();
-  statistics_.wake_up.record(tick.lateness_ns);
-  return tick;
+  return grid_.end_wait(monotonic_ns());
 }
 
 }  // namespace palpate::loop

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "rt/loop/latency_histogram.hpp"
-
 namespace palpate::loop {
 
 /// One cycle of a fixed-rate loop.
@@ -46,27 +44,11 @@ class TimeGrid {
   std::int64_t overrun_ns_ = 0;
 };
 
-/// Real-time settings granted by the operating system, one line each for the log.
-struct RealTimeGrant {
-  bool memory_locked = false;
-  bool fifo = false;
-  bool affinity = false;
-  std::string remarks;  // rejected settings with reason and remedy; empty if all were granted
-};
-
 struct LoopOptions {
   double period = 1e-3;    // s
   int fifo_priority = 50;  // 0: SCHED_OTHER
   int cpu = -1;            // -1: any
   bool lock_memory = true;
-};
-
-struct LoopStatistics {
-  std::int64_t cycles = 0;
-  /// Wake-ups late by a period or more, and cycles beyond their period; each counts once.
-  std::int64_t overruns = 0;
-  std::int64_t overrun_ns = 0;  // their total lateness
-  LatencyHistogram wake_up;     // wake-up latency
 };
 
 /// Calls `tick(now_ns)` on an absolute CLOCK_MONOTONIC grid in the calling thread until `stop` is
@@ -78,19 +60,19 @@ class FixedRateLoop {
   explicit FixedRateLoop(const LoopOptions& options);
 
   /// Locks and prefaults memory, sets FIFO priority and affinity for the calling thread, as far as
-  /// granted.
-  RealTimeGrant acquire_real_time();
+  /// the system grants it. Returns the rejected settings with reason and remedy, one line each;
+  /// empty if all were granted.
+  std::string acquire_real_time();
 
   using Tick = loop::Tick;
   template <class F>
   void run(const std::atomic<bool>& stop, F&& tick);
 
-  const LoopStatistics& statistics() const noexcept { return statistics_; }
+  const TimeGrid& grid() const noexcept { return grid_; }
 
  private:
   Tick wait() noexcept;
   LoopOptions options_;
-  LoopStatistics statistics_;
   TimeGrid grid_;
 };
 

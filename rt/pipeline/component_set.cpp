@@ -41,6 +41,16 @@ bool Changes::any() const noexcept {
 ComponentSet::ComponentSet(const config::Node& root, const registry::Context& cell,
                            const Changes& changes, std::shared_ptr<const registry::Object> present)
     : object(std::move(present)), context(cell) {
+  const int abandoned = plugin::abandoned_calls();
+  try {
+    build(root, changes);
+  } catch (...) {
+    if (plugin::abandoned_calls() != abandoned) keep_for_ever();
+    throw;
+  }
+}
+
+void ComponentSet::build(const config::Node& root, const Changes& changes) {
   if (changes.object)
     object = std::make_shared<registry::Object>(
         registry::read_object(root, context.frames, context.remarks));
@@ -155,7 +165,9 @@ void ComponentSet::warm_up() {
   if (!model) return;
   const plugin::SetupScope scope;
   model->prepare();
+  check_warm_up(scope);
   estimator->activate(*model);
+  check_warm_up(scope);
   while (elasticity::Refactorisation* job = model->wanted_refactorisation()) {
     job->run();
     model->install(*job);
@@ -167,9 +179,11 @@ void ComponentSet::warm_up() {
 
 void ComponentSet::check_warm_up(const plugin::SetupScope& scope) {
   if (scope.failure().empty()) return;
-  new ComponentSet(std::move(*this));  // is never deleted
+  keep_for_ever();
   throw config::Error("warm-up: " + scope.failure());
 }
+
+void ComponentSet::keep_for_ever() { new ComponentSet(std::move(*this)); }  // is never deleted
 
 void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
                          const std::vector<int>& successors) noexcept {

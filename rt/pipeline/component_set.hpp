@@ -77,7 +77,8 @@ struct ComponentSet {
 
   /// Builds and configures the components selected by `changes`; others remain empty. `cell`:
   /// frames, period and mode; `present`: the object to keep if it does not change. Throws
-  /// config::Error.
+  /// config::Error; where a plug-in does not return, all that was built is kept for ever, since an
+  /// abandoned thread may use it.
   ComponentSet(const config::Node& root, const registry::Context& cell, const Changes& changes,
                std::shared_ptr<const registry::Object> present);
 
@@ -85,7 +86,7 @@ struct ComponentSet {
   /// component once, so that no operation is executed for the first time in the loop. Applies to
   /// the components that were built.
   /// Throws config::Error if a plug-in throws or does not return; then all components are kept for
-  /// ever, since an abandoned thread may use them.
+  /// ever.
   void warm_up();
   void check_warm_up(const plugin::SetupScope& scope);
 
@@ -131,6 +132,8 @@ struct ComponentSet {
   control::LawOutput law_output;
 
  private:
+  void build(const config::Node& root, const Changes& changes);
+  void keep_for_ever();
   void list_running_models(const Sensing& instance);
   /// Includes the fallback, if the section names one.
   void make_model(const config::Node& node, Sensing& instance);

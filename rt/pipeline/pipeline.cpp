@@ -73,7 +73,7 @@ void Pipeline::estimate(double dt) noexcept {
   inputs.dt = dt;
   inputs.grasp_count = static_cast<int>(components.object->body.grasps.size());
   for (int i = 0; i < inputs.grasp_count; ++i)
-    inputs.grasps[i] = frames::grasp_input(arms_[i].measurements(), i, contacts_O_);
+    frames::update_grasp(arms_[i].measurements(), i, contacts_O_, inputs.grasps[i]);
   inputs.contact_count = contacts_O_.count;
   inputs.contacts = components.loads.data();
   frames::update_observation(arms_[0].measurements(), inputs.observation);
@@ -115,7 +115,7 @@ void Pipeline::evaluate_feature() noexcept {
 
 void Pipeline::control(double dt) noexcept {
   for (Arm& arm : arms_) {
-    arm.requested_W_E = math::Twist();
+    arm.gate_inputs.requested_W_E = math::Twist();
     arm.requested_joints.setZero();
   }
   if (!is_running() || components_->target.revision < 0 || !moving_arms_known()) return;
@@ -221,7 +221,8 @@ bool Pipeline::moving_arms_known() const noexcept {
 
 void Pipeline::request(int index, const math::Twist& V_O_G) noexcept {
   Arm& arm = arms_[index];
-  arm.requested_W_E = arm.frames.flange_twist(V_O_G, arm.signals->robot.latest.X_WE.linear());
+  arm.gate_inputs.requested_W_E =
+      arm.frames.flange_twist(V_O_G, arm.signals->robot.latest.X_WE.linear());
 }
 
 control::JointInputs Pipeline::joint_inputs(const Arm& arm) noexcept {
@@ -246,27 +247,27 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
   const std::array<bool, 2> held_back = {other_rejected(0), other_rejected(1)};
   for (int i = 0; i < arm_count(); ++i) {
     Arm& arm = arms_[i];
-    control::GateInputs inputs;
+    control::GateInputs& inputs = arm.gate_inputs;
     inputs.dt = dt;
     inputs.active = is_running() && is_trusted() && arm.known && !held_back[i] &&
                     components_->control_condition.state != LifeCycle::kFaulted;
-    inputs.requested_W_E = arm.requested_W_E;
     if (arm.known) inputs.X_WE = arm.signals->robot.latest.X_WE;
+    inputs.wrench_valid = false;
     for (int c = 0; c < contacts_.count; ++c) {
       const sensing::Contact& contact = contacts_.contacts[c];
       if (!sensing::is_wrist(contact.source, i)) continue;
       inputs.wrench_valid = true;
       inputs.contact = contact.wrench;
     }
-    pass_gate(arm, inputs, commands_joints(i));
+    pass_gate(arm, commands_joints(i));
   }
   return arms_[0].output;
 }
 
-void Pipeline::pass_gate(Arm& arm, const control::GateInputs& inputs, bool as_joints) noexcept {
+void Pipeline::pass_gate(Arm& arm, bool as_joints) noexcept {
   if (!as_joints) {
     if (arm.joint_gate) arm.joint_gate->pass();
-    arm.output = arm.gate.apply(inputs);
+    arm.output = arm.gate.apply(arm.gate_inputs);
     return;
   }
   control::JointGateInputs joints;
@@ -275,7 +276,7 @@ void Pipeline::pass_gate(Arm& arm, const control::GateInputs& inputs, bool as_jo
     joints.q = arm.signals->robot.latest.q.head(arm.model->chain.joint_count());
     joints.J_W_E = arm.kinematics.J_W_E;
   }
-  arm.output = arm.joint_gate->apply(joints, inputs, arm.gate);
+  arm.output = arm.joint_gate->apply(joints, arm.gate_inputs, arm.gate);
 }
 
 Condition Pipeline::condition() const noexcept {

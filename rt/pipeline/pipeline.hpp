@@ -123,7 +123,7 @@ class Pipeline {
     control::SafetyGate gate;
     const sensing::Signals* signals = nullptr;  // signals of this tick
     bool known = false;                         // its robot has reported a pose
-    math::Twist requested_W_E;
+    control::GateInputs gate_inputs;            // of this tick
     control::GateOutput output;
     // Set if the arm is modelled.
     std::shared_ptr<const registry::ArmModel> model;
@@ -149,7 +149,7 @@ class Pipeline {
   void request(int arm, const math::Twist& V_O_G) noexcept;
   static void find_joints(Arm& arm) noexcept;
   static control::JointInputs joint_inputs(const Arm& arm) noexcept;
-  void pass_gate(Arm& arm, const control::GateInputs& inputs, bool as_joints) noexcept;
+  static void pass_gate(Arm& arm, bool as_joints) noexcept;
   bool other_rejected(int arm) const noexcept;
 
   std::vector<std::string> remarks_;

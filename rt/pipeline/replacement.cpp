@@ -165,9 +165,11 @@ void Replacement::warm_up(const ShapeSnapshot& snapshot) {
   const plugin::SetupScope scope;
   elasticity::DeformationModel& model = *components_->model;
   model.prepare();
+  components_->check_warm_up(scope);
   for (int round = 0; round < kWarmUpRounds; ++round) {
     if (!give_shape(snapshot.positions, snapshot.velocities, snapshot.estimate))
       throw config::Error("replace: the present shape cannot be carried over");
+    components_->check_warm_up(scope);
     while (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
       job->run();
       model.install(*job);

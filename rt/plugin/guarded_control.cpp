@@ -17,7 +17,8 @@ constexpr int kMostRows = 32, kLongestKind = 31;
 
 class GuardedFeature final : public shape::Feature {
  public:
-  GuardedFeature(std::unique_ptr<PluginFeature> feature, const std::string& name, int node_count)
+  GuardedFeature(std::unique_ptr<PluginFeature> feature, const std::string& name,
+                 const Eigen::Matrix3Xd& rest)
       : feature_(std::move(feature), name) {
     const auto constants = std::make_shared<Constants>();
     feature_.set_up([constants](const PluginFeature& made) {
@@ -30,11 +31,11 @@ class GuardedFeature final : public shape::Feature {
         constants->units.push_back(made.unit(i));
     });
     is_ = *constants;
-    check(node_count);
+    check(static_cast<int>(rest.cols()));
     value_ = FencedNumbers(is_.value_count);
     error_ = FencedNumbers(is_.dimension);
     none_.resize(is_.dimension, 3 * static_cast<Eigen::Index>(is_.support.size()));
-    jacobian_ = &none_;
+    evaluate_first(rest);
   }
 
   const char* kind() const noexcept override { return is_.kind.c_str(); }
@@ -98,6 +99,29 @@ class GuardedFeature final : public shape::Feature {
   }
 
  private:
+  /// With the deadline of set-up, which the loop has not.
+  void evaluate_first(const Eigen::Matrix3Xd& rest) {
+    struct First {
+      Eigen::Matrix3Xd positions;
+      FencedNumbers value;
+      bool defined = false;
+      const Eigen::SparseMatrix<double>* jacobian = nullptr;
+    };
+    const auto first = std::make_shared<First>();  // outlives a call that does not return
+    first->positions = rest;
+    first->value = FencedNumbers(is_.value_count);
+    feature_.set_up([first](PluginFeature& made) {
+      made.evaluate(first->positions, first->value.vector());
+      first->defined = made.is_defined();
+      first->jacobian = &made.jacobian();
+    });
+    defined_ = first->defined;
+    jacobian_ = first->jacobian;
+    if (!first->value.is_intact()) throw std::invalid_argument(kOutOfBounds);
+    check_jacobian();
+    if (feature_.why() != nullptr) throw std::invalid_argument(feature_.why());
+  }
+
   struct Constants {
     std::string kind;
     int dimension = 0, value_count = 0;
@@ -140,7 +164,9 @@ class GuardedJacobianProvider final : public control::JacobianProvider {
  public:
   GuardedJacobianProvider(std::unique_ptr<PluginJacobianProvider> provider, const std::string& name,
                           int entries)
-      : provider_(std::move(provider), name), J_(entries) {}
+      : provider_(std::move(provider), name), J_(entries) {
+    provider_.set_up([](PluginJacobianProvider& made) { made.reset(); });
+  }
 
   void observe(const control::Experience& now) noexcept override {
     provider_.call([&](PluginJacobianProvider& made) { made.observe(now); });
@@ -203,7 +229,10 @@ class GuardedControlLaw final : public control::ControlLaw {
 
   void configure_for(const shape::Feature& feature) override {
     try {
-      law_.set_up([to = &feature](PluginControlLaw& made) { made.configure_for(*to); });
+      law_.set_up([to = &feature](PluginControlLaw& made) {
+        made.configure_for(*to);
+        made.reset();
+      });
     } catch (const std::exception& error) {
       throw std::invalid_argument(error.what());
     } catch (...) {
@@ -262,8 +291,8 @@ class GuardedControlLaw final : public control::ControlLaw {
 }  // namespace
 
 std::unique_ptr<shape::Feature> guard(std::unique_ptr<PluginFeature> feature,
-                                      const std::string& name, int node_count) {
-  return std::make_unique<GuardedFeature>(std::move(feature), name, node_count);
+                                      const std::string& name, const Eigen::Matrix3Xd& rest) {
+  return std::make_unique<GuardedFeature>(std::move(feature), name, rest);
 }
 
 std::unique_ptr<control::JacobianProvider> guard(std::unique_ptr<PluginJacobianProvider> provider,

@@ -12,7 +12,9 @@ namespace {
 class GuardedSensorModel final : public sensing::SensorModel {
  public:
   GuardedSensorModel(std::unique_ptr<PluginSensorModel> model, const std::string& name)
-      : model_(std::move(model), name) {}
+      : model_(std::move(model), name) {
+    model_.set_up([](PluginSensorModel& made) { made.reset(); });
+  }
 
   UpdateResult update(const sensing::Signals& signals,
                       sensing::ContactSet& contacts) noexcept override {

@@ -15,7 +15,7 @@
 namespace palpate::plugin {
 
 /// Incremented whenever a header included by plug-ins changes incompatibly.
-inline constexpr int kPluginInterface = 2;
+inline constexpr int kPluginInterface = 3;
 
 /// Properties that must match between the host and a library, because C++ classes cross the
 /// boundary.
@@ -23,10 +23,13 @@ struct PluginAbi {
   std::uint32_t magic;
   std::uint32_t size;  // of this structure
   std::int32_t interface;
-  std::int32_t compiler;                                         // version of the C++ ABI
-  std::int32_t strings;                                          // variant of std::string
-  std::int32_t eigen;                                            // version of Eigen
-  std::int32_t alignment;                                        // of Eigen's types
+  std::int32_t compiler;                     // version of the C++ ABI
+  std::int32_t strings;                      // variant of std::string
+  std::int32_t eigen;                        // version of Eigen
+  std::int32_t alignment, static_alignment;  // of Eigen's types, bytes
+  /// Whether Eigen allocates by malloc() or, as with AVX, by a function of its own. A matrix that
+  /// one side allocates the other may free.
+  std::int32_t malloc_aligned;
   std::int32_t signals, contacts, inputs, outputs, cell, model;  // sizes of structures
   std::int32_t measurements, estimate, sensitivity, option;      // sizes of structures
   char version[16];                                              // of palpate
@@ -40,6 +43,8 @@ inline constexpr PluginAbi kPluginAbi = {
     _GLIBCXX_USE_CXX11_ABI,
     EIGEN_WORLD_VERSION * 10000 + EIGEN_MAJOR_VERSION * 100 + EIGEN_MINOR_VERSION,
     EIGEN_MAX_ALIGN_BYTES,
+    EIGEN_MAX_STATIC_ALIGN_BYTES,
+    EIGEN_MALLOC_ALREADY_ALIGNED,
     sizeof(sensing::Signals),
     sizeof(sensing::ContactSet),
     sizeof(control::LawInputs),

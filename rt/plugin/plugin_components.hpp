@@ -34,8 +34,9 @@ struct PluginCell {
 // reaction. They run on the loop's thread, where only constructors, configure_for() and prepare()
 // may allocate, lock, log, sleep, or routinely throw: HEALTH.allocations counts allocations, the
 // latency of the phase reveals slow code, and a crash terminates the daemon. Constructors, these
-// functions and the first calls before the loop starts must return within 5 s. `reason` and
-// `remark` are string literals. References to outputs are valid during the call only.
+// functions and the first calls before the loop starts (reset() of a sensor model, a provider and a
+// law, evaluate() of a feature, and the steps of estimator and model) must return within 4 s.
+// `reason` and `remark` are string literals. References to outputs are valid during the call only.
 
 class PluginSensorModel {
  public:

@@ -26,9 +26,9 @@ std::unique_ptr<elasticity::DeformationModel> guard(std::unique_ptr<PluginDeform
                                                     const elasticity::Body& body);
 /// Why a guarded model does not step any more, a string literal; nullptr: it does, or is built in.
 const char* fault_of(const elasticity::DeformationModel& model) noexcept;
-/// `node_count`: as above.
+/// Evaluated on `rest`, m, the positions of all nodes of the rest shape.
 std::unique_ptr<shape::Feature> guard(std::unique_ptr<PluginFeature> feature,
-                                      const std::string& name, int node_count);
+                                      const std::string& name, const Eigen::Matrix3Xd& rest);
 /// `entries`: of the Jacobian.
 std::unique_ptr<control::JacobianProvider> guard(std::unique_ptr<PluginJacobianProvider> provider,
                                                  const std::string& name, int entries);

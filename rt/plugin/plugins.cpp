@@ -50,6 +50,8 @@ std::string difference(const PluginAbi& theirs) {
   compare("kind of std::string", theirs.strings, ours.strings);
   compare("Eigen", theirs.eigen, ours.eigen);
   compare("EIGEN_MAX_ALIGN_BYTES", theirs.alignment, ours.alignment);
+  compare("EIGEN_MAX_STATIC_ALIGN_BYTES", theirs.static_alignment, ours.static_alignment);
+  compare("EIGEN_MALLOC_ALREADY_ALIGNED", theirs.malloc_aligned, ours.malloc_aligned);
   compare("size of sensing::Signals", theirs.signals, ours.signals);
   compare("size of sensing::ContactSet", theirs.contacts, ours.contacts);
   compare("size of control::LawInputs", theirs.inputs, ours.inputs);

@@ -18,7 +18,7 @@ class Plugins {
  public:
   /// Loads the libraries and registers their components. Throws config::Error with file and key for
   /// a library that cannot be loaded, is not a plug-in, was built for another version of palpate,
-  /// or whose registration throws, takes more than 5 s, or contains an invalid or repeated name of
+  /// or whose registration throws, takes more than 4 s, or contains an invalid or repeated name of
   /// a component or key. Without the key there are no components.
   static std::shared_ptr<const Plugins> load(const config::Node& root);
 
@@ -29,14 +29,6 @@ class Plugins {
 
   PluginRegistrar components_;
 };
-
-/// Built-in names followed by those of plug-ins.
-template <class Names, class Component>
-std::vector<std::string> with_plugins(const Names& built_in, const PluginList<Component>& list) {
-  std::vector<std::string> names(built_in.begin(), built_in.end());
-  for (const PluginEntry<Component>& entry : list.entries()) names.push_back(entry.name);
-  return names;
-}
 
 /// Entry of that name; nullptr if no plug-in has it.
 template <class Component>

@@ -14,6 +14,8 @@ thread_local SetupScope* thread_scope = nullptr;
 
 constexpr char kClaimed[] = "claimed";
 
+std::atomic<int> abandoned{0};
+
 [[noreturn]] void sleep_for_ever() noexcept {
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }
@@ -49,11 +51,15 @@ void within_deadline(const std::string& component, std::function<void()> call, d
   std::packaged_task<void()> task(std::move(call));
   std::future<void> done = task.get_future();
   loop::start_helper_thread("palpate-plugin", std::move(task)).detach();
-  if (done.wait_for(std::chrono::duration<double>(deadline)) != std::future_status::ready)
+  if (done.wait_for(std::chrono::duration<double>(deadline)) != std::future_status::ready) {
+    ++abandoned;
     throw Hung(component + " has not returned within " +
                std::to_string(static_cast<int>(deadline)) + " s");
+  }
   done.get();
 }
+
+int abandoned_calls() noexcept { return abandoned; }
 
 SetupScope::SetupScope() noexcept : outer_(thread_scope) { thread_scope = this; }
 SetupScope::~SetupScope() { thread_scope = outer_; }

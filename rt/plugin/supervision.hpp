@@ -7,8 +7,9 @@
 
 namespace palpate::plugin {
 
-/// Time that construction, configuration and warm-up of a plug-in's component may take, per call.
-inline constexpr double kSetupDeadline = 5;  // s
+/// Time that construction, configuration and warm-up of a plug-in's component may take, per call:
+/// one that hangs is refused within 5 s.
+inline constexpr double kSetupDeadline = 4;  // s
 
 /// The plug-in's component whose code a thread executes, for a watchdog in another thread.
 class CallRecord {
@@ -59,6 +60,9 @@ class Hung : public std::runtime_error {
 /// none can be ended from outside, and all that `call` refers to must stay alive.
 void within_deadline(const std::string& component, std::function<void()> call,
                      double deadline = kSetupDeadline);
+
+/// Number of threads of this process that within_deadline() has abandoned.
+int abandoned_calls() noexcept;
 
 /// Calls that this thread makes during its lifetime have the deadline of set-up.
 class SetupScope {

@@ -31,13 +31,28 @@ kinematics::Joint to_joint(const urdf::Joint& from) {
   return joint;
 }
 
-/// Joint limits of the section replace those of the file, for all joints at once.
-void read_ends(const config::Node& node, const std::string& key, SerialChain::Joints& ends) {
-  if (!node.has(key)) return;
-  const std::vector<double> degrees =
-      node.numbers({key, "degrees", "Position limits of the joints, in place of those of the URDF"},
-                   static_cast<int>(ends.size()), {-3.6e5, 3.6e5});
-  for (int i = 0; i < ends.size(); ++i) ends[i] = degrees[i] * kDegree;
+/// Limits of the section `robot`; empty lists: those of the URDF.
+struct JointOptions {
+  std::vector<double> lower, upper;  // degrees
+  double margin = kDegree;           // rad
+  double speed_share = 1;
+  double acceleration = 5;  // rad/s^2
+};
+
+config::OptionTable<JointOptions> joint_options(int count) {
+  constexpr const char* kEnds = "Position limits of the joints, in place of those of the URDF";
+  constexpr config::Range kDegrees{-3.6e5, 3.6e5};
+  return config::OptionTable<JointOptions>()
+      .numbers("joint_lower_deg", "degrees", kEnds, kDegrees, count, &JointOptions::lower)
+      .optional()
+      .numbers("joint_upper_deg", "degrees", kEnds, kDegrees, count, &JointOptions::upper)
+      .optional()
+      .number("joint_margin_deg", "degrees", "Margin from both position limits of every joint",
+              {0, 90}, &JointOptions::margin, kDegree)
+      .number("joint_speed_share", "", "Fraction of the speed limits in the URDF that is used",
+              {0.01, 1}, &JointOptions::speed_share)
+      .number("joint_acceleration", "rad/s^2", "Largest acceleration of every joint", {0.01, 1e3},
+              &JointOptions::acceleration);
 }
 
 }  // namespace
@@ -83,29 +98,18 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
     auto model = std::make_shared<ArmModel>(ArmModel{read_urdf(urdf, flange), {}});
     const SerialChain& chain = model->chain;
     const int n = chain.joint_count();
+    const JointOptions options = node.read(joint_options(n));
     control::JointLimits& limits = model->limits;
-    limits.lower.resize(n);
-    limits.upper.resize(n);
-    limits.speed.resize(n);
+    for (auto* values : {&limits.lower, &limits.upper, &limits.speed}) values->resize(n);
     for (int i = 0; i < n; ++i) {
-      limits.lower[i] = chain.joint(i).lower;
-      limits.upper[i] = chain.joint(i).upper;
-      limits.speed[i] = chain.joint(i).speed;
+      const kinematics::Joint& joint = chain.joint(i);
+      limits.lower[i] = options.lower.empty() ? joint.lower : options.lower[i] * kDegree;
+      limits.upper[i] = options.upper.empty() ? joint.upper : options.upper[i] * kDegree;
+      limits.speed[i] = joint.speed * options.speed_share;
     }
-    read_ends(node, "joint_lower_deg", limits.lower);
-    read_ends(node, "joint_upper_deg", limits.upper);
-    const double margin = node.number({"joint_margin_deg", "degrees",
-                                       "Margin from both position limits of every joint"},
-                                      {0, 90}, 1) *
-                          kDegree;
-    limits.lower.array() += margin;
-    limits.upper.array() -= margin;
-    limits.speed *= node.number(
-        {"joint_speed_share", "", "Fraction of the speed limits in the URDF that is used"},
-        {0.01, 1}, 1);
-    limits.acceleration = SerialChain::Joints::Constant(
-        n, node.number({"joint_acceleration", "rad/s^2", "Largest acceleration of every joint"},
-                       {0.01, 1e3}, 5));
+    limits.lower.array() += options.margin;
+    limits.upper.array() -= options.margin;
+    limits.acceleration = SerialChain::Joints::Constant(n, options.acceleration);
     limits.check();
     return model;
   } catch (const std::invalid_argument& error) {

@@ -1,7 +1,5 @@
 #include "core/contact/area_coordinates.hpp"
 #include "core/contact/wrench_patch.hpp"
-#include "rt/registry/plugin_registry.hpp"
-#include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
@@ -30,12 +28,6 @@ std::unique_ptr<contact::ForceTransformer> make_area_coordinates(AreaCoordinates
   return std::make_unique<AreaCoordinates>(object.body.mesh, object.surface, options);
 }
 
-OptionTable<WrenchPatch::Options> wrench_patch_options() {
-  return contact_options<WrenchPatch::Options>().number(
-      "radius", "m", "Radius of the patch; increased where it contains too few nodes", {1e-4, 10},
-      &WrenchPatch::Options::radius);
-}
-
 std::unique_ptr<contact::ForceTransformer> make_wrench_patch(WrenchPatch::Options options,
                                                              const config::Node& node,
                                                              const Context& context) {
@@ -56,27 +48,22 @@ std::unique_ptr<contact::ForceTransformer> make_wrench_patch(WrenchPatch::Option
   return std::make_unique<WrenchPatch>(object.body.mesh, object.surface, options);
 }
 
-const Slot<contact::ForceTransformer>& transformers() {
-  static const auto slot =
-      Slot<contact::ForceTransformer>()
-          .add("area_coordinates", "Load on the nodes of the nearest triangle of the surface",
-               contact_options<AreaCoordinates::Options>(), make_area_coordinates)
-          .add("wrench_patch", "Wrench spread over the nodes of a patch", wrench_patch_options(),
-               make_wrench_patch);
-  return slot;
-}
-
 }  // namespace
 
 std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
                                                                   const Context& context) {
-  const auto& plugins = plugins_of(context).force_transformers;
-  const std::string name = transformers().name(
-      node, {"component", "", "Method that converts a wrench at a location into loads of nodes"},
-      plugin::with_plugins(std::vector<std::string>(), plugins));
-  if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context);
-  return transformers().make(name, "", node, context);
+  static const auto slot =
+      Slot<plugin::PluginForceTransformer>(
+          {"component", "", "Method that converts a wrench at a location into loads of nodes"},
+          &plugin::PluginRegistrar::force_transformers)
+          .add("area_coordinates", "Load on the nodes of the nearest triangle of the surface",
+               contact_options<AreaCoordinates::Options>(), make_area_coordinates)
+          .add("wrench_patch", "Wrench spread over the nodes of a patch",
+               contact_options<WrenchPatch::Options>().number(
+                   "radius", "m", "Radius of the patch; increased where it contains too few nodes",
+                   {1e-4, 10}, &WrenchPatch::Options::radius),
+               make_wrench_patch);
+  return slot.make(node, context);
 }
 
 }  // namespace palpate::registry

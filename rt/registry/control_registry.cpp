@@ -3,8 +3,6 @@
 #include "core/control/twist_law.hpp"
 #include "core/math/constants.hpp"
 #include "rt/registry/box.hpp"
-#include "rt/registry/plugin_registry.hpp"
-#include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
@@ -44,7 +42,7 @@ OptionTable<TwistLawOptions> twist_law_options(const TwistLawOptions& defaults) 
           [](auto& options) -> auto& { return options.inverse.length; });
 }
 
-TwistLawOptions read_twist_law(const config::Node& node, MovingArms moving) {
+TwistLawOptions read_twist_law(const config::Node& node, const Context& context) {
   const std::string preset =
       node.choice({"preset", "",
                    "Set of default values; thesis: 0.25 1/s, 1 m/s, 0.5 rad/s, dead band of 5 mm "
@@ -52,7 +50,7 @@ TwistLawOptions read_twist_law(const config::Node& node, MovingArms moving) {
                   {"palpate", "thesis"}, "palpate");
   TwistLawOptions options = node.read(
       twist_law_options(preset == "thesis" ? TwistLawOptions::thesis() : TwistLawOptions()));
-  if (moving == MovingArms::kBoth) options.inverse.grasps = 2;
+  if (read_moving_arms(node, context) == MovingArms::kBoth) options.inverse.grasps = 2;
   return options;
 }
 
@@ -117,16 +115,6 @@ OptionTable<control::SlipCone> slip_options() {
       .required();
 }
 
-OptionTable<control::Obstacle> obstacle_options() {
-  using Options = control::Obstacle;
-  return OptionTable<Options>()
-      .vector3("center", "m", "Centre of a sphere that the object must not touch, in O", kAnywhere,
-               &Options::center_O)
-      .required()
-      .number("radius", "m", "Radius of the sphere", {1e-4, 100}, &Options::radius)
-      .required();
-}
-
 control::MotionLimitOptions read_motion_limits(const config::Node& node) {
   control::MotionLimitOptions limits = node.read(motion_limit_options());
   if (node.has("slip"))
@@ -140,8 +128,15 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
     limits.workspace_lower = box.lower;
     limits.workspace_upper = box.upper;
   }
+  const auto sphere =
+      OptionTable<control::Obstacle>()
+          .vector3("center", "m", "Centre of a sphere that the object must not touch, in O",
+                   kAnywhere, &control::Obstacle::center_O)
+          .required()
+          .number("radius", "m", "Radius of the sphere", {1e-4, 100}, &control::Obstacle::radius)
+          .required();
   for (const config::Node& obstacle : node.list({"obstacles", "", "Spheres to be avoided"}))
-    limits.obstacles.push_back(obstacle.read(obstacle_options()));
+    limits.obstacles.push_back(obstacle.read(sphere));
   return limits;
 }
 
@@ -151,9 +146,8 @@ control::FlangeBox flange_box(const Frames& frames, const control::GateLimits& g
 }
 
 std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& node,
-                                                            const Context& context,
-                                                            MovingArms moving) {
-  const TwistLawOptions options = read_twist_law(node, moving);
+                                                            const Context& context) {
+  const TwistLawOptions options = read_twist_law(node, context);
   QuadraticProgramLaw::Limited limited =
       node.read(OptionTable<QuadraticProgramLaw::Limited>().number(
           "smoothness", "", "Weight of the change of the command relative to that of the error",
@@ -167,27 +161,16 @@ std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& 
   if (context.second_frames)
     limited.limits.flange[1] = flange_box(*context.second_frames, context.gate[1]);
   if (read_commands_joints(node, context)) limited.limits.joints = context.arm_model->limits;
+  const MovingArms moving = read_moving_arms(node, context);
   if (moving == MovingArms::kSecond) limited.grasps = {1};
   if (moving == MovingArms::kBoth) limited.grasps = {0, 1};
   return std::make_unique<QuadraticProgramLaw>(options, limited);
 }
 
 template <class Law>
-std::unique_ptr<control::ControlLaw> make_twist_law(const config::Node& node, const Context&,
-                                                    MovingArms moving) {
-  return std::make_unique<Law>(read_twist_law(node, moving));
-}
-
-const Slot<control::ControlLaw, MovingArms>& laws() {
-  static const auto slot =
-      Slot<control::ControlLaw, MovingArms>()
-          .add("proportional_twist", "Twist proportional to the error of the feature",
-               make_twist_law<control::ProportionalTwist>)
-          .add("dual_quaternion", "Twist along the screw motion that corrects a pose",
-               make_twist_law<control::DualQuaternion>)
-          .add("quadratic_program", "Twist or joint velocities that keep limits",
-               make_quadratic_program);
-  return slot;
+std::unique_ptr<control::ControlLaw> make_twist_law(const config::Node& node,
+                                                    const Context& context) {
+  return std::make_unique<Law>(read_twist_law(node, context));
 }
 
 std::unique_ptr<control::JacobianProvider> make_fem_jacobian(const config::Node& node,
@@ -206,17 +189,6 @@ std::unique_ptr<control::JacobianProvider> make_kinematic_jacobian(const config:
   if (read_moving_arms(node, context) == MovingArms::kBoth)
     node.fail("provider", "kinematic models one hand, which carries the feature; use fem");
   return std::make_unique<control::KinematicJacobian>();
-}
-
-const Slot<control::JacobianProvider, shape::Feature&>& providers() {
-  static const auto slot = [] {
-    Slot<control::JacobianProvider, shape::Feature&> known;
-    known.add("fem", "Jacobian from the mechanics of the object", make_fem_jacobian)
-        .add("kinematic", "Jacobian of a feature that is rigid with the hand",
-             make_kinematic_jacobian);
-    return known;
-  }();
-  return slot;
 }
 
 constexpr const char* kLaw = "Control law, which converts the error of the feature into a motion";
@@ -249,30 +221,33 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
                                                                   const Context& context,
                                                                   shape::Feature& feature) {
+  static const auto slot =
+      Slot<plugin::PluginJacobianProvider, shape::Feature&>(
+          {"provider", "", "Method that provides the feature's Jacobian"},
+          &plugin::PluginRegistrar::jacobian_providers)
+          .add("fem", "Jacobian from the mechanics of the object", make_fem_jacobian)
+          .add("kinematic", "Jacobian of a feature that is rigid with the hand",
+               make_kinematic_jacobian);
   read_moving_arms(node, context);  // an error also where the provider does not use it
-  const auto& plugins = plugins_of(context).jacobian_providers;
-  const std::string name =
-      providers().name(node, {"provider", "", "Method that provides the feature's Jacobian"},
-                       plugin::with_plugins(std::vector<std::string>(), plugins));
-  if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context, feature);
-  return providers().make(name, "provider", node, context, feature);
+  return slot.make(node, context, feature);
 }
 
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature) {
-  const auto& plugins = plugins_of(context).control_laws;
-  const std::string name = laws().name(node, {"law", "", kLaw},
-                                       plugin::with_plugins(std::vector<std::string>(), plugins));
-  const auto* entry = plugin::find_plugin(plugins, name);
-  std::unique_ptr<control::ControlLaw> law =
-      entry != nullptr ? make_plugin(*entry, node, context)
-                       : laws().make(name, "law", node, context, read_moving_arms(node, context));
+  static const auto slot =
+      Slot<plugin::PluginControlLaw>({"law", "", kLaw}, &plugin::PluginRegistrar::control_laws)
+          .add("proportional_twist", "Twist proportional to the error of the feature",
+               make_twist_law<control::ProportionalTwist>)
+          .add("dual_quaternion", "Twist along the screw motion that corrects a pose",
+               make_twist_law<control::DualQuaternion>)
+          .add("quadratic_program", "Twist or joint velocities that keep limits",
+               make_quadratic_program);
+  auto law = slot.make(node, context);
   try {
     law->configure_for(feature);
   } catch (const std::invalid_argument& error) {
-    node.fail("law", name + ": " + error.what());
+    node.fail("law", node.text("law") + ": " + error.what());
   }
   return law;
 }
@@ -280,22 +255,22 @@ std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
 std::unique_ptr<MarkerObserver> make_marker_observer(const config::Node& node,
                                                      const Context& context,
                                                      const shape::Feature& feature) {
-  enum class Vision { kNone, kMarkers, kMarkersAndModel };
-  struct Choice {
-    Vision vision = Vision::kNone;
+  struct Vision {
+    std::optional<MarkerObserver::Kind> kind;
   };
-  const Vision vision =
-      node.read(OptionTable<Choice>()
-                    .choice<Vision>("vision",
-                                    "Source of the feature's value: the model, tracked markers, or "
-                                    "markers and the model while they are hidden",
-                                    {{"none", Vision::kNone},
-                                     {"markers", Vision::kMarkers},
-                                     {"markers_and_model", Vision::kMarkersAndModel}},
-                                    &Choice::vision)
+  using Kind = decltype(Vision::kind);
+  const Kind kind =
+      node.read(OptionTable<Vision>()
+                    .choice<Kind>("vision",
+                                  "Source of the feature's value: the model, tracked markers, or "
+                                  "markers and the model while they are hidden",
+                                  {{"none", Kind()},
+                                   {"markers", MarkerObserver::Kind::kHeld},
+                                   {"markers_and_model", MarkerObserver::Kind::kOffset}},
+                                  &Vision::kind)
                     .alias("sight"))
-          .vision;
-  if (vision == Vision::kNone) return nullptr;
+          .kind;
+  if (!kind) return nullptr;
   using Options = MarkerObserver::Options;
   Options options =
       node.read(OptionTable<Options>()
@@ -303,7 +278,7 @@ std::unique_ptr<MarkerObserver> make_marker_observer(const config::Node& node,
                             "Time without a message of markers after which vision is lost",
                             {0.001, 100}, &Options::patience)
                     .alias("sight_patience"));
-  if (vision == Vision::kMarkersAndModel) options.kind = MarkerObserver::Kind::kOffset;
+  options.kind = *kind;
   return std::make_unique<MarkerObserver>(context.object->body.mesh, feature.rest_points(),
                                           options);
 }

@@ -5,20 +5,15 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/spin_team.hpp"
-#include "rt/registry/plugin_registry.hpp"
-#include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
 using config::OptionTable;
+using elasticity::MassSpringOptions;
+using elasticity::ShapeMatchingOptions;
 using Model = std::unique_ptr<elasticity::DeformationModel>;
-
-template <class Options>
-OptionTable<Options> iterations(const std::string& description, double most) {
-  return OptionTable<Options>().integer("iterations", description, {1, most}, &Options::iterations);
-}
 
 template <class Options>
 OptionTable<Options> tolerance() {
@@ -27,19 +22,16 @@ OptionTable<Options> tolerance() {
       &Options::tolerance);
 }
 
-template <class Options>
-OptionTable<Options> accuracy() {
-  return OptionTable<Options>().number(
-      "accuracy", "m",
-      "Displacement of a node below which a further correction is omitted and the step ends",
-      {0, 1e-3}, &Options::accuracy);
-}
-
 OptionTable<elasticity::SolverOptions> solver_options() {
   using Options = elasticity::SolverOptions;
-  return iterations<Options>("Largest number of quasi-Newton corrections in a step", 50)
+  return OptionTable<Options>()
+      .integer("iterations", "Largest number of quasi-Newton corrections in a step", {1, 50},
+               &Options::iterations)
       .part(tolerance<Options>())
-      .part(accuracy<Options>())
+      .number(
+          "accuracy", "m",
+          "Displacement of a node below which a further correction is omitted and the step ends",
+          {0, 1e-3}, &Options::accuracy)
       .choice<elasticity::Precision>(
           "precision", "Precision of the arithmetic inside elements",
           {{"double", elasticity::Precision::kDouble}, {"single", elasticity::Precision::kSingle}},
@@ -98,59 +90,40 @@ Model make_corotational(const config::Node& node, const Context& context) {
   return std::make_unique<Corotational>(body, options);
 }
 
-OptionTable<elasticity::MassSpringOptions> mass_spring_options() {
-  using Options = elasticity::MassSpringOptions;
-  return iterations<Options>("Largest number of Newton corrections in a step", 50)
-      .part(tolerance<Options>())
-      .integer("cg_iterations", "Largest number of conjugate gradient iterations in a correction",
-               {1, 10000}, &Options::cg_iterations);
-}
+}  // namespace
 
-OptionTable<elasticity::ShapeMatchingOptions> shape_matching_options() {
-  using Options = elasticity::ShapeMatchingOptions;
-  return OptionTable<Options>()
-      .integer("rings", "Number of rings of edges around each node that its region covers", {1, 5},
-               &Options::rings)
-      .integer("max_substeps",
-               "Largest number of parts of a step; more parts allow a higher stiffness", {1, 100},
-               &Options::max_substeps);
-}
-
-/// Creates a model from body and options.
-template <class Made>
-auto on_body() {
-  return [](const auto& options, const config::Node&, const Context& context) {
-    return std::make_unique<Made>(context.object->body, options);
-  };
-}
-
-const Slot<elasticity::DeformationModel>& models() {
+Model make_deformation_model(const config::Node& node, const Context& context) {
   static const auto slot =
-      Slot<elasticity::DeformationModel>()
+      Slot<plugin::PluginDeformationModel>({"component", "", "Model of the object's mechanics"},
+                                           &plugin::PluginRegistrar::deformation_models)
           .add("corotational_quasistatic", "Co-rotational finite elements in static equilibrium",
                make_corotational<elasticity::CorotationalQuasistatic>)
           .add("corotational_dynamic", "Co-rotational finite elements with inertia and damping",
                make_corotational<elasticity::CorotationalDynamic>)
           .add("linear", "Linear finite elements, for comparison",
-               [](const config::Node&, const Context& context) -> Model {
-                 return std::make_unique<elasticity::LinearModel>(context.object->body);
+               [](const config::Node&, const Context& in) -> Model {
+                 return std::make_unique<elasticity::LinearModel>(in.object->body);
                })
-          .add("mass_spring", "Masses and springs, for comparison", mass_spring_options(),
-               on_body<elasticity::MassSpringModel>())
-          .add("shape_matching", "Shape matching, for comparison", shape_matching_options(),
-               on_body<elasticity::ShapeMatchingModel>());
-  return slot;
-}
-
-}  // namespace
-
-Model make_deformation_model(const config::Node& node, const Context& context) {
-  const auto& plugins = plugins_of(context).deformation_models;
-  const std::string name = models().name(node, {"component", "", "Model of the object's mechanics"},
-                                         plugin::with_plugins(std::vector<std::string>(), plugins));
-  if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context);
-  return models().make(name, "", node, context);
+          .add("mass_spring", "Masses and springs, for comparison",
+               OptionTable<MassSpringOptions>()
+                   .integer("iterations", "Largest number of Newton corrections in a step", {1, 50},
+                            &MassSpringOptions::iterations)
+                   .part(tolerance<MassSpringOptions>())
+                   .integer("cg_iterations",
+                            "Largest number of conjugate gradient iterations in a correction",
+                            {1, 10000}, &MassSpringOptions::cg_iterations),
+               from_options<elasticity::MassSpringModel>())
+          .add(
+              "shape_matching", "Shape matching, for comparison",
+              OptionTable<ShapeMatchingOptions>()
+                  .integer("rings",
+                           "Number of rings of edges around each node that its region covers",
+                           {1, 5}, &ShapeMatchingOptions::rings)
+                  .integer("max_substeps",
+                           "Largest number of parts of a step; more parts allow a higher stiffness",
+                           {1, 100}, &ShapeMatchingOptions::max_substeps),
+              from_options<elasticity::ShapeMatchingModel>());
+  return slot.make(node, context);
 }
 
 }  // namespace palpate::registry

@@ -3,7 +3,6 @@
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
 #include "core/estimation/wrench_driven.hpp"
-#include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
@@ -29,10 +28,6 @@ OptionTable<estimation::HandFollower::Options> hand_options() {
       .number("pose_timeout_ms", "ms", "Time without a new pose after which the pose is stale",
               {1, 1e4}, &Options::pose_timeout, 1e-3)
       .part(approach_speed(&Options::approach_speed));
-}
-
-OptionTable<PoseDriven::Options> pose_driven_options() {
-  return OptionTable<PoseDriven::Options>().part(hand_options(), &PoseDriven::Options::hand);
 }
 
 OptionTable<ForceDriven::Options> force_driven_options(const ForceDriven::Options& defaults) {
@@ -196,53 +191,25 @@ OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
               &Options::fade, 1e-3);
 }
 
-/// Creates a component from body and options.
-template <class Estimator>
-auto on_body() {
-  return [](const auto& options, const config::Node&, const Context& context) {
-    return std::make_unique<Estimator>(context.object->body, options);
-  };
-}
-
-/// Creates a component from body, surface and options.
-template <class Estimator>
-auto on_surface() {
-  return [](const auto& options, const config::Node&, const Context& context) {
-    return std::make_unique<Estimator>(context.object->body, context.object->surface, options);
-  };
-}
-
-const Slot<estimation::Estimator>& estimators() {
-  static const Slot<estimation::Estimator> slot = [] {
-    Slot<estimation::Estimator> known;
-    known.add("pose_driven", "Shape from the pose of the hand", pose_driven_options(),
-              [](const PoseDriven::Options& options, const config::Node&, const Context&) {
-                return std::make_unique<PoseDriven>(options);
-              });
-    known.add("force_driven", "Shape from measured contact forces", make_force_driven);
-    known.add("wrench_driven", "Shape from the wrench at the wrist", wrench_driven_options(),
-              on_body<WrenchDriven>());
-    known.add("fingertip_driven", "Shape from the positions of touching fingertips",
-              fingertip_driven_options(), on_surface<FingertipDriven>());
-    known.add("pose_wrench_filter",
-              "Shape, stiffness and contacts from pose, wrench and observed surface points",
-              pose_wrench_filter_options(), on_surface<PoseWrenchFilter>());
-    return known;
-  }();
-  return slot;
-}
-
 }  // namespace
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
-  const auto& plugins = plugins_of(context).estimators;
-  const std::string name =
-      estimators().name(node, {"component", "", "Estimator that drives the shape"},
-                        plugin::with_plugins(std::vector<std::string>(), plugins));
-  if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context);
-  return estimators().make(name, "", node, context);
+  static const auto slot =
+      Slot<plugin::PluginEstimator>({"component", "", "Estimator that drives the shape"},
+                                    &plugin::PluginRegistrar::estimators)
+          .add("pose_driven", "Shape from the pose of the hand",
+               OptionTable<PoseDriven::Options>().part(hand_options(), &PoseDriven::Options::hand),
+               from_options<PoseDriven>())
+          .add("force_driven", "Shape from measured contact forces", make_force_driven)
+          .add("wrench_driven", "Shape from the wrench at the wrist", wrench_driven_options(),
+               from_options<WrenchDriven>())
+          .add("fingertip_driven", "Shape from the positions of touching fingertips",
+               fingertip_driven_options(), from_options<FingertipDriven>())
+          .add("pose_wrench_filter",
+               "Shape, stiffness and contacts from pose, wrench and observed surface points",
+               pose_wrench_filter_options(), from_options<PoseWrenchFilter>());
+  return slot.make(node, context);
 }
 
 }  // namespace palpate::registry

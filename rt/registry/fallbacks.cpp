@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rt/registry/plugin_registry.hpp"
+#include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -10,17 +10,22 @@ namespace {
 /// Description of a sensor model's kind of sensor.
 std::string sensor_of(const config::Node& node, const Context& context) {
   const std::string name = node.text("component");
-  switch (listens_to(name, context)) {
-    case Listens::kWrist:
+  switch (sensor_kind(name, context)) {
+    case plugin::SensorKind::kWrist:
       return "the wrist of arm " + std::to_string(read_arm(node, context));
-    case Listens::kFinger:
+    case plugin::SensorKind::kFinger:
       return "finger " + std::to_string(node.integer("finger", {0, 4}, 0));
-    case Listens::kOther:
+    case plugin::SensorKind::kOther:
       break;
   }
-  return name == "manual" || plugin::find_plugin(plugins_of(context).sensor_models, name) == nullptr
+  return plugin::find_plugin(plugins_of(context).sensor_models, name) == nullptr
              ? "no sensor"
              : "the sensor of " + name;
+}
+
+/// False also for numbers that are not finite.
+bool is_within(const Eigen::Vector3d& vector, double largest) noexcept {
+  return (vector.array().abs() <= largest).all();
 }
 
 }  // namespace
@@ -63,11 +68,8 @@ void check_feature(const config::Node& node, const Context& context) {
 
 bool is_plausible(const sensing::Contact& contact) noexcept {
   constexpr double kLargest = 1e6;  // m, N, N m
-  return contact.location.lpNorm<Eigen::Infinity>() <= kLargest &&
-         contact.wrench.force.lpNorm<Eigen::Infinity>() <= kLargest &&
-         contact.wrench.torque.lpNorm<Eigen::Infinity>() <= kLargest &&
-         contact.location.allFinite() && contact.wrench.force.allFinite() &&
-         contact.wrench.torque.allFinite();
+  return is_within(contact.location, kLargest) && is_within(contact.wrench.force, kLargest) &&
+         is_within(contact.wrench.torque, kLargest);
 }
 
 UpdateResult SensorFallback::update(const sensing::Signals& signals,
@@ -104,7 +106,7 @@ void SensorFallback::reset() noexcept {
 bool are_plausible(const contact::ContactLoads& loads) noexcept {
   constexpr double kLargest = 1e9;  // N; a plausible wrench with a short lever arm stays below it
   return std::all_of(loads.loads.begin(), loads.loads.end(), [](const contact::NodalLoad& load) {
-    return load.force.allFinite() && load.force.lpNorm<Eigen::Infinity>() <= kLargest;
+    return is_within(load.force, kLargest);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/contact/force_transformer.hpp"
+#include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "rt/registry/registry.hpp"
 

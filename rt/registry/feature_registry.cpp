@@ -3,14 +3,13 @@
 #include "core/shape/fourier_contour_feature.hpp"
 #include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
-#include "rt/registry/plugin_registry.hpp"
-#include "rt/registry/registry.hpp"
 #include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
 using config::Node;
+using shape::FourierContourFeature;
 using shape::PointsFeature;
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -55,22 +54,6 @@ Points set_of_points(const Node& node, const mesh::ElementMesh& mesh) {
                          {1, PointsFeature::kMostPoints}));
 }
 
-shape::PoseFeature::Options pose_points(const Node& node) {
-  shape::PoseFeature::Options options;
-  const Points points =
-      rest_points(node, "Three points of the rest shape, in O; the first is the position", 3);
-  std::copy(points.begin(), points.end(), options.rest_points.begin());
-  return options;
-}
-
-config::OptionTable<shape::FourierContourFeature::Options> contour_options() {
-  using Options = shape::FourierContourFeature::Options;
-  return config::OptionTable<Options>()
-      .integer("harmonics", "Number of harmonics of the contour, four values per plane each",
-               {1, 31}, &Options::harmonics)
-      .flag("closed", "Closed contour; else an open one", &Options::closed);
-}
-
 /// Creates a feature from the mesh and the options that `read` returns.
 template <class Feature, class Read>
 auto on_mesh(Read read) {
@@ -80,63 +63,62 @@ auto on_mesh(Read read) {
   };
 }
 
-const Slot<shape::Feature>& features() {
-  using Mesh = mesh::ElementMesh;
-  static const auto slot =
-      Slot<shape::Feature>()
-          .add("point", "Position of a point",
-               on_mesh<shape::PointFeature>([](const Node& node, const Mesh&) {
-                 return shape::PointFeature::Options{
-                     rest_points(node, "One point of the rest shape, in O", 1)[0],
-                     components(node)};
-               }))
-          .add("points", "Positions of several points",
-               on_mesh<PointsFeature>([](const Node& node, const Mesh& mesh) {
-                 return PointsFeature::Options{set_of_points(node, mesh)};
-               }))
-          .add("pose", "Pose of a part of the object, from three points",
-               on_mesh<shape::PoseFeature>(
-                   [](const Node& node, const Mesh&) { return pose_points(node); }))
-          .add("distance", "Distance between two points",
-               on_mesh<shape::DistanceFeature>([](const Node& node, const Mesh&) {
-                 return shape::DistanceFeature::Options{
-                     rest_points(node, "Two points of the rest shape, in O")};
-               }))
-          .add("angle", "Angle at a point or between two directions",
-               on_mesh<shape::AngleFeature>([](const Node& node, const Mesh&) {
-                 return shape::AngleFeature::Options{
-                     rest_points(node,
-                                 "Points of the rest shape, in O: 3, the second is the corner, or "
-                                 "4 for two directions"),
-                     axis(node)};
-               }))
-          .add("curvature", "Curvature of a line",
-               on_mesh<shape::CurvatureFeature>([](const Node& node, const Mesh&) {
-                 return shape::CurvatureFeature::Options{
-                     rest_points(node, "Points of the rest shape, in O: 3 or 5 along the line"),
-                     axis(node)};
-               }))
-          .add("fourier_contour", "Fourier coefficients of a contour",
-               on_mesh<shape::FourierContourFeature>([](const Node& node, const Mesh&) {
-                 auto options = node.read(contour_options());
-                 options.rest_points = rest_points(
-                     node, "Points of the rest shape, in O: up to 64 along the contour");
-                 options.components = components(node);
-                 return options;
-               }));
-  return slot;
-}
-
 }  // namespace
 
 std::unique_ptr<shape::Feature> make_feature(const Node& node, const Context& context) {
-  const auto& plugins = plugins_of(context).features;
-  const std::string name =
-      features().name(node, {"component", "", "Kind of the feature"},
-                      plugin::with_plugins(std::vector<std::string>(), plugins));
-  if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context);
-  return features().make(name, "", node, context);
+  using Mesh = mesh::ElementMesh;
+  static const auto slot =
+      Slot<plugin::PluginFeature>({"component", "", "Kind of the feature"},
+                                  &plugin::PluginRegistrar::features)
+          .add("point", "Position of a point",
+               on_mesh<shape::PointFeature>([](const Node& own, const Mesh&) {
+                 return shape::PointFeature::Options{
+                     rest_points(own, "One point of the rest shape, in O", 1)[0], components(own)};
+               }))
+          .add("points", "Positions of several points",
+               on_mesh<PointsFeature>([](const Node& own, const Mesh& mesh) {
+                 return PointsFeature::Options{set_of_points(own, mesh)};
+               }))
+          .add("pose", "Pose of a part of the object, from three points",
+               on_mesh<shape::PoseFeature>([](const Node& own, const Mesh&) {
+                 const Points points = rest_points(
+                     own, "Three points of the rest shape, in O; the first is the position", 3);
+                 return shape::PoseFeature::Options{{points[0], points[1], points[2]}};
+               }))
+          .add("distance", "Distance between two points",
+               on_mesh<shape::DistanceFeature>([](const Node& own, const Mesh&) {
+                 return shape::DistanceFeature::Options{
+                     rest_points(own, "Two points of the rest shape, in O")};
+               }))
+          .add("angle", "Angle at a point or between two directions",
+               on_mesh<shape::AngleFeature>([](const Node& own, const Mesh&) {
+                 return shape::AngleFeature::Options{
+                     rest_points(own,
+                                 "Points of the rest shape, in O: 3, the second is the corner, or "
+                                 "4 for two directions"),
+                     axis(own)};
+               }))
+          .add("curvature", "Curvature of a line",
+               on_mesh<shape::CurvatureFeature>([](const Node& own, const Mesh&) {
+                 return shape::CurvatureFeature::Options{
+                     rest_points(own, "Points of the rest shape, in O: 3 or 5 along the line"),
+                     axis(own)};
+               }))
+          .add("fourier_contour", "Fourier coefficients of a contour",
+               on_mesh<FourierContourFeature>([](const Node& own, const Mesh&) {
+                 auto options = own.read(
+                     config::OptionTable<FourierContourFeature::Options>()
+                         .integer("harmonics",
+                                  "Number of harmonics of the contour, four values per plane each",
+                                  {1, 31}, &FourierContourFeature::Options::harmonics)
+                         .flag("closed", "Closed contour; else an open one",
+                               &FourierContourFeature::Options::closed));
+                 options.rest_points =
+                     rest_points(own, "Points of the rest shape, in O: up to 64 along the contour");
+                 options.components = components(own);
+                 return options;
+               }));
+  return slot.make(node, context);
 }
 
 }  // namespace palpate::registry

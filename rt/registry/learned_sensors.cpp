@@ -1,4 +1,4 @@
-#include "rt/registry/learned_sensors.hpp"
+#include "rt/registry/sensors.hpp"
 
 #include <algorithm>
 
@@ -7,13 +7,21 @@
 #include "rt/inference/model_file.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/registry/fallbacks.hpp"
-#include "rt/registry/sensor_keys.hpp"
 
 namespace palpate::registry {
 namespace {
 
 // s, maximum wait for a result in deterministic mode; then a fault
 constexpr double kPatience = 10;
+
+using Channels = std::vector<inference::Channel>;
+
+/// -1: there is none of that name.
+int index_of(const Channels& channels, const std::string& name) {
+  const auto at = std::find_if(channels.begin(), channels.end(),
+                               [&name](const auto& channel) { return channel.name == name; });
+  return at == channels.end() ? -1 : static_cast<int>(at - channels.begin());
+}
 
 /// Validated model named by a key, with everything required to run it.
 class Model {
@@ -28,14 +36,13 @@ class Model {
                         {"torch", "compiled"}, "torch") == "torch"
                 ? inference::ExecutorKind::kTorch
                 : inference::ExecutorKind::kCompiled;
-    options_ = node.read(config::OptionTable<Options>().number(
-        "wait_us", "us",
-        "Duration for which a cycle waits for the network; a later result is used in the next one",
-        {0, 1e5}, &Options::wait, 1e-6));
+    options_ = node.read(config::OptionTable<Options>(context.inference)
+                             .number("wait_us", "us",
+                                     "Duration for which a cycle waits for the network; a later "
+                                     "result is used in the next one",
+                                     {0, 1e5}, &Options::wait, 1e-6));
     if (context.deterministic) options_.wait = options_.patience = kPatience;
     options_.patience = std::max(options_.patience, options_.wait);
-    options_.fifo_priority = context.inference.priority;
-    options_.cpu = context.inference.cpu;
     options_.remarks = context.remarks;
     try {
       file_ = inference::read_model_file(
@@ -56,32 +63,27 @@ class Model {
     }
   }
 
-  /// Indices by `place_of` of the card's inputs.
-  template <class Place>
-  std::vector<int> inputs(Place place_of, const std::string& known) const {
+  /// Indices in `known`, whose names are `names`, of the card's inputs.
+  std::vector<int> inputs(const Channels& known, const std::string& names) const {
     std::vector<int> places;
     for (const inference::Channel& input : file_.card.inputs) {
-      const auto [place, unit] = place_of(input.name);
-      if (place < 0) fail("takes an input '" + input.name + "'; known: " + known);
-      if (input.unit != unit)
-        fail("takes input '" + input.name + "' in " + input.unit + ", not in " + unit);
+      const int place = index_of(known, input.name);
+      if (place < 0) fail("takes an input '" + input.name + "'; known: " + names);
+      if (input.unit != known[place].unit)
+        fail("takes input '" + input.name + "' in " + input.unit + ", not in " + known[place].unit);
       places.push_back(place);
     }
     return places;
   }
 
   /// Indices of the required outputs in the card.
-  std::vector<int> outputs(const std::vector<inference::Channel>& wanted) const {
+  std::vector<int> outputs(const Channels& wanted) const {
     std::vector<int> places;
     for (const inference::Channel& want : wanted) {
-      int place = -1;
-      for (std::size_t i = 0; i < file_.card.outputs.size(); ++i)
-        if (file_.card.outputs[i].name == want.name) place = static_cast<int>(i);
-      if (place < 0) fail("has no output '" + want.name + "'");
-      if (file_.card.outputs[place].unit != want.unit)
-        fail("gives '" + want.name + "' in " + file_.card.outputs[place].unit + ", not in " +
-             want.unit);
-      places.push_back(place);
+      places.push_back(index_of(file_.card.outputs, want.name));
+      if (places.back() < 0) fail("has no output '" + want.name + "'");
+      const std::string& unit = file_.card.outputs[places.back()].unit;
+      if (unit != want.unit) fail("gives '" + want.name + "' in " + unit + ", not in " + want.unit);
     }
     return places;
   }
@@ -98,31 +100,32 @@ class Model {
   inference::ModelFile file_;
 };
 
-std::pair<int, std::string> tactile_place(const std::string& name) {
-  const std::string unit = "count";
-  for (int i = 0; i < sensing::kElectrodeCount; ++i)
-    if (name == "e" + std::to_string(i + 1)) return {i, unit};
-  if (name == "pac0") return {sensing::kElectrodeCount, unit};
-  if (name == "pdc") return {sensing::kElectrodeCount + 1, unit};
-  return {-1, ""};
-}
-
 std::vector<int> tactile_inputs_of(const Model& model) {
   if (model.card().average > 0)
     model.fail("needs averaged counts, which this component does not provide");
-  return model.inputs(tactile_place, "e1 to e19, pac0, pdc");
+  Channels known;
+  for (int i = 0; i < sensing::kElectrodeCount; ++i)
+    known.push_back({"e" + std::to_string(i + 1), "count"});
+  known.insert(known.end(), {{"pac0", "count"}, {"pdc", "count"}});
+  return model.inputs(known, "e1 to e19, pac0, pdc");
 }
 
-std::pair<int, std::string> observer_place(const std::string& name) {
-  const int place = sensing::observer_input_index(name);
-  return {place, sensing::observer_input_unit(place)};
+std::vector<int> observer_inputs_of(const Model& model) {
+  Channels known;
+  std::string names;
+  for (int i = 0; i < sensing::kObserverInputCount; ++i) {
+    known.push_back({sensing::observer_input_name(i), sensing::observer_input_unit(i)});
+    names += (i > 0 ? ", " : "") + known.back().name;
+  }
+  return model.inputs(known, names);
 }
 
-std::string observer_names() {
-  std::string names = sensing::observer_input_name(0);
-  for (int i = 1; i < sensing::kObserverInputCount; ++i)
-    names += std::string(", ") + sensing::observer_input_name(i);
-  return names;
+/// Key `fallback`, unless it is a section with a component of its own: whether `built_in` takes
+/// over.
+bool has_built_in_fallback(const config::Node& node, const char* built_in) {
+  return !has_fallback(node) &&
+         node.choice({"fallback", "", "Component that takes over where the network fails"},
+                     {"none", built_in}, "none") == built_in;
 }
 
 std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node& node,
@@ -157,36 +160,34 @@ config::OptionTable<sensing::BiotacLstm::Options> biotac_lstm_options() {
               {0, 1000}, &Options::largest_force);
 }
 
-}  // namespace
-
-InferenceSettings read_inference(const config::Node& root, bool deterministic) {
-  using Settings = InferenceSettings;
-  Settings defaults;
-  const int loop_priority = root.child_or_empty("loop").integer("fifo_priority", {0, 98},
-                                                                loop::LoopOptions().fifo_priority);
-  defaults.priority = std::max(0, loop_priority - 1);
-  const Settings settings =
-      root.child_or_empty({"inference", "", "Threads that run learned models"})
-          .read(config::OptionTable<Settings>(defaults)
-                    .integer("priority",
-                             "SCHED_FIFO priority of the inference threads; 0: ordinary scheduling",
-                             {0, 98}, &Settings::priority)
-                    .integer("cpu", "Processor to which the inference threads are bound; -1: any",
-                             {-1, 1023}, &Settings::cpu));
-  return deterministic ? Settings() : settings;
-}
-
 /// Null if the section names none.
 std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
-  if (has_fallback(node) ||
-      node.choice({"fallback", "", "Component that takes over where the network fails"},
-                  {"none", "biotac_linear"}, "none") == "none") {
+  if (!has_built_in_fallback(node, "biotac_linear")) {
     if (node.has("fallback_file")) node.fail("fallback_file", "needs fallback: biotac_linear");
     return nullptr;
   }
   if (!node.has("fallback_file"))
     node.fail("fallback", "needs fallback_file, a model written by palpate-evaluate tactile");
   return make_biotac_linear(node, "fallback_file");
+}
+
+}  // namespace
+
+inference::TorchExecutorOptions read_inference(const config::Node& root, bool deterministic) {
+  using Options = inference::TorchExecutorOptions;
+  Options defaults;
+  const int loop_priority = root.child_or_empty("loop").integer("fifo_priority", {0, 98},
+                                                                loop::LoopOptions().fifo_priority);
+  defaults.fifo_priority = std::max(0, loop_priority - 1);
+  const Options options =
+      root.child_or_empty({"inference", "", "Threads that run learned models"})
+          .read(config::OptionTable<Options>(defaults)
+                    .integer("priority",
+                             "SCHED_FIFO priority of the inference threads; 0: ordinary scheduling",
+                             {0, 98}, &Options::fifo_priority)
+                    .integer("cpu", "Processor to which the inference threads are bound; -1: any",
+                             {-1, 1023}, &Options::cpu));
+  return deterministic ? Options() : options;
 }
 
 std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
@@ -206,35 +207,30 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
       "the network of the force fails or hangs: biotac_linear has taken over");
 }
 
-std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, const Frames& frames,
+std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node,
                                                     const Context& context) {
+  const Frames& frames = frames_of(node, context);
   const Model model(node, "model_file", context);
   const inference::ModelCard& card = model.card();
   auto options = node.read(wrist_options<sensing::FtRnnob::Options>());
-  options.inputs = model.inputs(observer_place, observer_names());
+  options.inputs = observer_inputs_of(model);
   options.outputs = model.outputs(
       {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}, {"tx", "N m"}, {"ty", "N m"}, {"tz", "N m"}});
   options.rate = card.rate;
   options.average = card.average;
   for (const inference::StreamDelay& delay : card.delays) {
-    if (delay.stream == "inertial") {
-      options.inertial_delay = delay.seconds;
-    } else if (delay.stream == "force_torque") {
-      options.force_torque_delay = delay.seconds;
-    } else {
+    if (delay.stream != "inertial" && delay.stream != "force_torque")
       model.fail("names the delay of a stream '" + delay.stream +
                  "'; known: inertial, force_torque");
-    }
+    (delay.stream == "inertial" ? options.inertial_delay : options.force_torque_delay) =
+        delay.seconds;
   }
   options.network_gives_rest = card.payload.has_value();
   if (card.payload) options.payload = *card.payload;
   options.domain = card.domain;
   const bool given = node.has("payload");
   if (given) options.payload = read_payload(node);
-  options.fall_back =
-      !has_fallback(node) &&
-      node.choice({"fallback", "", "Component that takes over where the network fails"},
-                  {"none", "newton_euler"}, "none") == "newton_euler";
+  options.fall_back = has_built_in_fallback(node, "newton_euler");
   if (options.fall_back && !given && !card.payload)
     node.fail("fallback", "needs a payload, which neither the model's card nor this section has");
   if (given && !card.payload && !options.fall_back)

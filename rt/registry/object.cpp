@@ -64,33 +64,32 @@ std::string in_metres(char axis, double value) {
 void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
                       const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
                       const std::vector<int>& nodes, std::vector<std::string>& remarks) {
-  constexpr double kSmallShare = 0.02;  // of the body's side
+  constexpr double kSmallShare = 0.02;  // of the body's extent
   const Eigen::Matrix3Xd selected = mesh.nodes(Eigen::all, nodes);
   for (int axis = 0; axis < 3; ++axis) {
-    const double side = mesh.nodes.row(axis).maxCoeff() - mesh.nodes.row(axis).minCoeff();
-    for (const bool at_lower : {true, false}) {
+    const double extent = mesh.nodes.row(axis).maxCoeff() - mesh.nodes.row(axis).minCoeff();
+    for (const double side : {-1.0, 1.0}) {  // of the lower and of the upper bound
+      const bool at_lower = side < 0;
       const double bound = at_lower ? lower[axis] : upper[axis];
-      const double end = at_lower ? selected.row(axis).minCoeff() : selected.row(axis).maxCoeff();
-      if (std::abs(end - bound) <= kSmallShare * side) continue;
+      const double end = side * (side * selected.row(axis)).maxCoeff();
+      if (std::abs(end - bound) <= kSmallShare * extent) continue;
       // The body extends beyond the bound if the box holds more nodes without it.
       Eigen::Vector3d wider_lower = lower, wider_upper = upper;
       (at_lower ? wider_lower : wider_upper)[axis] =
-          at_lower ? mesh.nodes.row(axis).minCoeff() : mesh.nodes.row(axis).maxCoeff();
-      double outside = at_lower ? -std::numeric_limits<double>::infinity()
-                                : std::numeric_limits<double>::infinity();
+          side * (side * mesh.nodes.row(axis)).maxCoeff();
+      double outside = std::numeric_limits<double>::infinity();  // times side
       for (const int node : mesh::nodes_in_box(mesh, wider_lower, wider_upper)) {
-        const double at = mesh.nodes(axis, node);
-        if (at_lower && at < bound) outside = std::max(outside, at);
-        if (!at_lower && at > bound) outside = std::min(outside, at);
+        const double at = side * mesh.nodes(axis, node);
+        if (at > side * bound) outside = std::min(outside, at);
       }
       if (!std::isfinite(outside)) continue;
       const char name = "xyz"[axis];
-      remarks.push_back("object." + key + (at_lower ? ".lower: " : ".upper: ") +
-                        in_metres(name, bound) + " lies between rows of mesh nodes; the " +
-                        (key == "fixed_box" ? "fixed" : "held") + " nodes " +
-                        (at_lower ? "begin" : "end") + " at " + in_metres(name, end) +
-                        ", the next nodes outside the box are at " + in_metres(name, outside) +
-                        ": move the bound to a row of nodes or refine the mesh");
+      remarks.push_back(
+          "object." + key + (at_lower ? ".lower: " : ".upper: ") + in_metres(name, bound) +
+          " lies between rows of mesh nodes; the " + (key == "fixed_box" ? "fixed" : "held") +
+          " nodes " + (at_lower ? "begin" : "end") + " at " + in_metres(name, end) +
+          ", the next nodes outside the box are at " + in_metres(name, side * outside) +
+          ": move the bound to a row of nodes or refine the mesh");
     }
   }
 }

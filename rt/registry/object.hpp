@@ -11,19 +11,17 @@ namespace palpate::registry {
 
 /// Model of the object, from the section `object`.
 struct Object {
-  mesh::TetrahedralMesh corners;  // linear mesh of SHAPE and SHAPE_MESH
+  mesh::TetrahedralMesh corners;  // linear mesh, whose nodes come first in the body's
   std::int64_t hash = 0;
   elasticity::Body body;
   mesh::Surface surface;
 };
 
-/// Reads `object`: mesh (box or file), order, material (young_modulus, poisson_ratio, density),
-/// material_file (of palpate-fit: its co-rotational constants, density and damping, if present,
-/// override `material`, and `damping` where that has no value), damping, fixed_box, grasp_box,
-/// second_grasp_box, gravity. The rest pose of a grasp is `grasp_at_rest` (`second_grasp_at_rest`)
-/// or the centre of the grasped nodes with the axes of O; `grasp_stiffness` is that of its pads,
-/// N/m for the whole patch (absent: rigid). `remarks` receives a line for each bound of a box that
-/// lies between rows of the mesh's nodes; may be null. Throws config::Error.
+/// Reads `object`. Where `material_file` (of palpate-fit) has a constant, it overrides `material`,
+/// and `damping` where that has no value. The rest pose of a grasp is `grasp_at_rest`
+/// (`second_grasp_at_rest`) or the centre of the grasped nodes with the axes of O. `remarks`
+/// receives a line for each bound of a box that lies between rows of the mesh's nodes; may be null.
+/// Throws config::Error.
 Object read_object(const config::Node& root, const Frames& frames,
                    std::vector<std::string>* remarks = nullptr);
 

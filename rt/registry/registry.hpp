@@ -11,25 +11,21 @@
 #include "core/sensing/sensor_model.hpp"
 #include "core/shape/feature.hpp"
 #include "rt/config/node.hpp"
+#include "rt/inference/torch_executor.hpp"
 #include "rt/registry/arm_model.hpp"
 #include "rt/registry/frames.hpp"
 #include "rt/registry/object.hpp"
 
 namespace palpate::plugin {
 class Plugins;
-}
+enum class SensorKind;
+}  // namespace palpate::plugin
 
 namespace palpate::registry {
 
-/// Section `inference`: settings of the threads that run learned models.
-struct InferenceSettings {
-  int priority = 0;  // SCHED_FIFO; 0: SCHED_OTHER
-  int cpu = -1;      // processor affinity; -1: any
-};
-
-/// Keys priority (0 to 98, default one below the loop's) and cpu (-1 to 1023). Both are ignored in
-/// deterministic mode, which has no deadlines. Throws config::Error.
-InferenceSettings read_inference(const config::Node& root, bool deterministic);
+/// Section `inference`: priority (default: one below the loop's) and processor of the threads that
+/// run learned models, ignored in deterministic mode, which has no deadlines. Throws config::Error.
+inference::TorchExecutorOptions read_inference(const config::Node& root, bool deterministic);
 
 /// Information on the workcell for the construction of components, in addition to their own
 /// parameters.
@@ -42,7 +38,7 @@ struct Context {
   double period = 1e-3;                       // s, of the loop
   /// Results must not depend on scheduling: inferences are awaited without limit.
   bool deterministic = false;
-  InferenceSettings inference;
+  inference::TorchExecutorOptions inference;
   std::shared_ptr<const plugin::Plugins> plugins;  // user components; may be null
   std::vector<std::string>* remarks = nullptr;     // receives warnings, a line each; may be null
 };
@@ -88,7 +84,6 @@ bool read_commands_joints(const config::Node& control, const Context& context);
 int read_arm(const config::Node& node, const Context& context);
 
 /// Kind of sensor of the sensor model of that name.
-enum class Listens { kWrist, kFinger, kOther };
-Listens listens_to(const std::string& name, const Context& context);
+plugin::SensorKind sensor_kind(const std::string& name, const Context& context);
 
 }  // namespace palpate::registry

@@ -4,22 +4,41 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "rt/config/node.hpp"
+#include "rt/plugin/plugins.hpp"
+#include "rt/registry/registry.hpp"
 
 namespace palpate::registry {
 
-struct Context;
+/// Components of plug-ins; empty if `context` has none.
+const plugin::PluginRegistrar& plugins_of(const Context& context);
 
-/// Built-in components of a slot: name, one-line description, declared options and the function
-/// that creates the component from them. `Inputs`: what the slot's components need in addition.
-template <class Made, class... Inputs>
+/// Creates the component that `key` of `node` names, with its keys from `node`. `feature`: of a
+/// Jacobian provider, evaluated on the rest shape. Throws config::Error, also for exceptions of the
+/// plug-in, and for one that does not return within plugin::kSetupDeadline. Instantiated for the
+/// interfaces of all slots.
+template <class Plugin>
+std::unique_ptr<typename Plugin::Core> make_plugin(const plugin::PluginEntry<Plugin>& entry,
+                                                   const char* key, const config::Node& node,
+                                                   const Context& context,
+                                                   shape::Feature* feature = nullptr);
+
+/// Components of a slot: those of plug-ins with the interface `Plugin`, and the built-in ones, each
+/// with its name, one-line description, declared options and the function that creates it.
+/// `Inputs`: what the slot's components need in addition.
+template <class Plugin, class... Inputs>
 class Slot {
  public:
-  using Create =
-      std::function<std::unique_ptr<Made>(const config::Node&, const Context&, Inputs...)>;
+  using Made = std::unique_ptr<typename Plugin::Core>;
+  using Create = std::function<Made(const config::Node&, const Context&, Inputs...)>;
+  using Plugins = plugin::PluginList<Plugin>;
+
+  /// `key`: the one that names the component.
+  Slot(config::Key key, Plugins plugin::PluginRegistrar::*plugins)
+      : key_(std::move(key)), plugins_(plugins) {}
 
   /// A component that reads its keys itself.
   Slot& add(std::string name, std::string description, Create create) {
@@ -35,38 +54,55 @@ class Slot {
             From create) {
     return add(std::move(name), std::move(description),
                [table = std::move(table), create = std::move(create)](
-                   const config::Node& node, const Context& context,
-                   Inputs... inputs) -> std::unique_ptr<Made> {
+                   const config::Node& node, const Context& context, Inputs... inputs) -> Made {
                  return create(node.read(table), node, context, inputs...);
                });
   }
 
-  /// Reads the name of a component of this slot, or of one of `plugins`. Throws config::Error
-  /// listing the names.
-  std::string name(const config::Node& node, const config::Key& key,
-                   const std::vector<std::string>& plugins = {}) const {
+  /// Reads the name of the component. Throws config::Error listing the known ones.
+  std::string name(const config::Node& node, const Context& context) const {
     config::Choices known = choices_;
-    for (const std::string& plugin : plugins) known.emplace_back(plugin, "Component of a plug-in");
-    return node.component(key, known);
+    for (const auto& entry : (plugins_of(context).*plugins_).entries())
+      known.emplace_back(entry.name, "Component of a plug-in");
+    return node.component(key_, known);
   }
 
-  /// Creates the component of that name. Throws config::Error, at `key` of `node` ("": at the node
-  /// itself) if the component rejects its options.
-  std::unique_ptr<Made> make(const std::string& name, const std::string& key,
-                             const config::Node& node, const Context& context,
-                             Inputs... inputs) const {
+  /// Creates the component that `node` names. Throws config::Error, also if the component rejects
+  /// its options.
+  Made make(const config::Node& node, const Context& context, Inputs... inputs) const {
+    const std::string name = this->name(node, context);
+    if (const auto* entry = plugin::find_plugin(plugins_of(context).*plugins_, name))
+      return make_plugin(*entry, key_.name.c_str(), node, context, &inputs...);
+    std::size_t i = 0;
+    while (choices_[i].first != name) ++i;
     try {
-      for (std::size_t i = 0; i < choices_.size(); ++i)
-        if (choices_[i].first == name) return create_[i](node, context, inputs...);
+      return create_[i](node, context, inputs...);
     } catch (const std::invalid_argument& error) {
-      node.fail(key, error.what());
+      node.fail(key_.name == "component" ? "" : key_.name, error.what());
     }
-    node.fail(key, "'" + name + "' is unknown");
   }
 
  private:
+  config::Key key_;
+  Plugins plugin::PluginRegistrar::*plugins_;
   config::Choices choices_;
   std::vector<Create> create_;
 };
+
+/// Creates a component from its options and, where its constructor takes them, the object's body
+/// and surface.
+template <class Made>
+auto from_options() {
+  return [](const auto& options, const config::Node&, const Context& context) {
+    using Options = decltype(options);
+    if constexpr (std::is_constructible_v<Made, const elasticity::Body&, const mesh::Surface&,
+                                          Options>)
+      return std::make_unique<Made>(context.object->body, context.object->surface, options);
+    else if constexpr (std::is_constructible_v<Made, const elasticity::Body&, Options>)
+      return std::make_unique<Made>(context.object->body, options);
+    else
+      return std::make_unique<Made>(options);
+  };
+}
 
 }  // namespace palpate::registry

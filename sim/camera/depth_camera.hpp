@@ -38,7 +38,7 @@ struct KinectModel {
 };
 
 /// Depth and colour images of a scene from a pose, through OSMesa, without noise. Bodies in front
-/// of the object occlude it. To be used only by the thread that created it.
+/// of the object occlude it. To be used by one thread at a time.
 class DepthCamera {
  public:
   /// Throws std::runtime_error without OSMesa.

@@ -12,7 +12,8 @@ namespace palpate::draw {
 /// Mesa's off-screen OpenGL, loaded with private symbols: they clash with those of libGL, which
 /// other libraries may load into the process. Therefore nothing links to OSMesa and every function
 /// is looked up at run time.
-struct OsMesa {
+class OsMesa {
+ public:
   /// Throws std::runtime_error if the library or one of its functions is missing.
   explicit OsMesa(const std::string& library);
 
@@ -20,35 +21,52 @@ struct OsMesa {
   /// rendered in the caller's thread, and no thread pool competes with the control loop.
   static const OsMesa& instance();
 
-  decltype(&::OSMesaCreateContextExt) create_context;
-  decltype(&::OSMesaMakeCurrent) make_current;
-  decltype(&::OSMesaDestroyContext) destroy_context;
+ private:
+  /// An address that becomes a function of the type that it initialises.
+  struct Symbol {
+    OSMESAproc address;
+    template <class Function>
+    operator Function*() const {  // NOLINT(google-explicit-constructor): see above
+      return reinterpret_cast<Function*>(address);
+    }
+  };
+  /// Throws std::runtime_error if the library has no function of this name.
+  Symbol symbol(const char* name) const;
+  Symbol gl(const char* name) const;
 
-  decltype(&::glBlendFunc) blend_func;
-  decltype(&::glClear) clear;
-  decltype(&::glColorMask) color_mask;
-  decltype(&::glColorMaterial) color_material;
-  decltype(&::glColorPointer) color_pointer;
-  decltype(&::glDepthFunc) depth_func;
-  decltype(&::glDepthMask) depth_mask;
-  decltype(&::glDisable) disable;
-  decltype(&::glDisableClientState) disable_client_state;
-  decltype(&::glDrawArrays) draw_arrays;
-  decltype(&::glEnable) enable;
-  decltype(&::glEnableClientState) enable_client_state;
-  decltype(&::glFinish) finish;
-  decltype(&::glGetError) get_error;
-  decltype(&::glLightfv) light;
-  decltype(&::glLightModelfv) light_model;
-  decltype(&::glLineWidth) line_width;
-  decltype(&::glLoadIdentity) load_identity;
-  decltype(&::glLoadMatrixd) load_matrix;
-  decltype(&::glMaterialfv) material;
-  decltype(&::glMatrixMode) matrix_mode;
-  decltype(&::glNormalPointer) normal_pointer;
-  decltype(&::glReadPixels) read_pixels;
-  decltype(&::glVertexPointer) vertex_pointer;
-  decltype(&::glViewport) viewport;
+  void* handle_;
+
+ public:
+  decltype(&::OSMesaCreateContextExt) create_context = symbol("OSMesaCreateContextExt");
+  decltype(&::OSMesaMakeCurrent) make_current = symbol("OSMesaMakeCurrent");
+  decltype(&::OSMesaDestroyContext) destroy_context = symbol("OSMesaDestroyContext");
+  decltype(&::OSMesaGetProcAddress) get_address = symbol("OSMesaGetProcAddress");
+
+  decltype(&::glBlendFunc) blend_func = gl("glBlendFunc");
+  decltype(&::glClear) clear = gl("glClear");
+  decltype(&::glColorMask) color_mask = gl("glColorMask");
+  decltype(&::glColorMaterial) color_material = gl("glColorMaterial");
+  decltype(&::glColorPointer) color_pointer = gl("glColorPointer");
+  decltype(&::glDepthFunc) depth_func = gl("glDepthFunc");
+  decltype(&::glDepthMask) depth_mask = gl("glDepthMask");
+  decltype(&::glDisable) disable = gl("glDisable");
+  decltype(&::glDisableClientState) disable_client_state = gl("glDisableClientState");
+  decltype(&::glDrawArrays) draw_arrays = gl("glDrawArrays");
+  decltype(&::glEnable) enable = gl("glEnable");
+  decltype(&::glEnableClientState) enable_client_state = gl("glEnableClientState");
+  decltype(&::glFinish) finish = gl("glFinish");
+  decltype(&::glGetError) get_error = gl("glGetError");
+  decltype(&::glLightfv) light = gl("glLightfv");
+  decltype(&::glLightModelfv) light_model = gl("glLightModelfv");
+  decltype(&::glLineWidth) line_width = gl("glLineWidth");
+  decltype(&::glLoadIdentity) load_identity = gl("glLoadIdentity");
+  decltype(&::glLoadMatrixd) load_matrix = gl("glLoadMatrixd");
+  decltype(&::glMaterialfv) material = gl("glMaterialfv");
+  decltype(&::glMatrixMode) matrix_mode = gl("glMatrixMode");
+  decltype(&::glNormalPointer) normal_pointer = gl("glNormalPointer");
+  decltype(&::glReadPixels) read_pixels = gl("glReadPixels");
+  decltype(&::glVertexPointer) vertex_pointer = gl("glVertexPointer");
+  decltype(&::glViewport) viewport = gl("glViewport");
 };
 
 /// An OpenGL context with its own image buffer.

@@ -18,6 +18,8 @@ constexpr double kCrease = 0.7;  // rad, about 40 degrees
 // use neither.
 constexpr double kLineNearness = 0.997;
 constexpr double kOverlayNearness = 0.999;
+// The background is a vertical gradient.
+constexpr Colour kSkyTop{1, 1, 1, 1}, kSkyBottom{0.86F, 0.89F, 0.93F, 1};
 
 void append(std::vector<float>& values, const Eigen::Vector3d& v) {
   for (const double x : v) values.push_back(static_cast<float>(x));
@@ -77,11 +79,6 @@ void Renderer::begin(const View& view) {
   }
   view_ = view;
   batches_.clear();
-}
-
-void Renderer::set_background(const Colour& top, const Colour& bottom) {
-  top_ = top;
-  bottom_ = bottom;
 }
 
 void Renderer::draw_mesh(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triangles,
@@ -222,7 +219,7 @@ void Renderer::paint_background() {
   Batch sky;
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
     append(sky.positions, Eigen::Vector3d(x, y, 0));
-    append(sky.colours, y > 0 ? top_ : bottom_);
+    append(sky.colours, y > 0 ? kSkyTop : kSkyBottom);
   }
   gl.disable(GL_DEPTH_TEST);
   gl.disable(GL_LIGHTING);

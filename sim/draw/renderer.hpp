@@ -37,9 +37,6 @@ class Renderer {
   /// Starts an image.
   void begin(const View& view);
 
-  /// Fills the background with a vertical gradient from `top` to `bottom`.
-  void set_background(const Colour& top, const Colour& bottom);
-
   /// points: 3 x n in W, m; triangles: 3 x m vertex indices, oriented outward by the right-hand
   /// rule. Throws std::invalid_argument if an index or the number of colours is wrong.
   void draw_mesh(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triangles,
@@ -84,8 +81,6 @@ class Renderer {
   int supersampling_;
   View view_;
   Eigen::Matrix4d eye_from_world_ = Eigen::Matrix4d::Identity();
-  Colour top_{1, 1, 1, 1};
-  Colour bottom_{0.86F, 0.89F, 0.93F, 1};
   std::vector<Batch> batches_;
   Image image_;
   DepthImage depth_;

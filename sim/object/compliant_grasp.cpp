@@ -53,6 +53,7 @@ CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& o
   const double total = areas.sum();
   if (!(total > 0)) throw std::invalid_argument("plant: the grasp box holds no surface node");
   const Eigen::Matrix3d R_GO = options.X_OG_rest.linear().transpose();
+  const math::Pose X_GO = options.X_OG_rest.inverse();
   for (int n = 0; n < areas.size(); ++n) {
     if (areas[n] <= 0) continue;
     Pad pad;
@@ -62,25 +63,10 @@ CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& o
     pad.damping = options.damping * areas[n] / total;
     pad.grip = limited_ ? options.grip * areas[n] / total : 0;
     pad.normal_G = R_GO * vectors.col(n).normalized();
+    pad.p_G = X_GO * Eigen::Vector3d(grid.nodes().col(n));
     pads_.push_back(pad);
   }
-  hold(grid.nodes());
-}
-
-void CompliantGrasp::hold(const Eigen::Matrix3Xd& positions) noexcept {
-  const math::Pose X_GO = hand_.X_OG().inverse();
-  for (Pad& pad : pads_) {
-    pad.p_G = X_GO * Eigen::Vector3d(positions.col(pad.node));
-    pad.slipping = false;
-    pad.slipped = 0;
-  }
-  holding_ = true;
   update_pads();
-}
-
-void CompliantGrasp::release() noexcept {
-  holding_ = false;
-  mean_wrench_ = math::Wrench();
 }
 
 void CompliantGrasp::update_pads() noexcept {
@@ -119,7 +105,6 @@ void CompliantGrasp::limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen:
 void CompliantGrasp::add_forces(const Eigen::Matrix3Xd& positions,
                                 const Eigen::Matrix3Xd& velocities, Eigen::Matrix3Xd& forces,
                                 Eigen::VectorXd& damping) noexcept {
-  if (!holding_) return;
   for (Pad& pad : pads_) {
     const Eigen::Vector3d position = positions.col(pad.node);
     const Eigen::Vector3d spring = pad.stiffness * (pad.p_O - position);
@@ -139,7 +124,6 @@ void CompliantGrasp::add_forces(const Eigen::Matrix3Xd& positions,
 math::Wrench CompliantGrasp::wrench(const Eigen::Matrix3Xd& positions,
                                     const Eigen::Matrix3Xd& velocities) const noexcept {
   math::Wrench total;
-  if (!holding_) return total;
   for (const Pad& pad : pads_) {
     Eigen::Vector3d force = pad.force_O;
     if (!pad.slipping) force += pad.damping * (pad.velocity_O - velocities.col(pad.node));
@@ -165,7 +149,6 @@ GraspSlip CompliantGrasp::slip() const noexcept {
 
 double CompliantGrasp::force_scale() const noexcept {
   double scale = 0;
-  if (!holding_) return scale;
   for (const Pad& pad : pads_) scale += pad.force_O.norm();
   return scale;
 }

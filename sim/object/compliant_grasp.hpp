@@ -88,13 +88,9 @@ class CompliantGrasp {
     double slipped = 0;                                    // m, accumulated slip distance
   };
 
-  /// Throws std::invalid_argument if the box holds no surface node or a value is out of range.
+  /// Grasps the nodes at rest without spring force. Throws std::invalid_argument if the box holds
+  /// no surface node or a value is out of range.
   CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& options);
-
-  /// Grasps the nodes at their current positions without spring force; releases them.
-  void hold(const Eigen::Matrix3Xd& positions) noexcept;
-  void release() noexcept;
-  bool holding() const { return holding_; }
 
   /// The hand's motion; the pads follow with update_pads().
   HandMotion& hand() { return hand_; }
@@ -128,7 +124,6 @@ class CompliantGrasp {
   std::vector<Pad> pads_;
   double friction_ = 0;
   bool limited_ = false;
-  bool holding_ = true;
   HandMotion hand_;
   math::Wrench mean_wrench_;
 };

@@ -31,13 +31,6 @@ void FingertipContact::send(const Eigen::Vector3d& centre, const math::Twist& ve
   end_velocity_ = velocity;
 }
 
-void FingertipContact::remove() noexcept {
-  present_ = false;
-  traction_.setZero();
-  touch_ = FingertipTouch();
-  mean_wrench_ = math::Wrench();
-}
-
 void FingertipContact::begin() noexcept { start_ = centre_; }
 
 void FingertipContact::advance(double s) noexcept {

@@ -44,10 +44,9 @@ class FingertipContact {
   /// Throws std::invalid_argument if a value is out of range; stiffnesses must be given.
   FingertipContact(const FingertipOptions& options, const ContactSurface& surface);
 
-  /// Centre (m) and velocity of the tip in O at the end of the next step. The first call after
-  /// construction or remove() places the tip there immediately.
+  /// Centre (m) and velocity of the tip in O at the end of the next step. The first call places the
+  /// tip there immediately.
   void send(const Eigen::Vector3d& centre, const math::Twist& velocity) noexcept;
-  void remove() noexcept;
   bool present() const { return present_; }
 
   /// Begins a step; advances to the fraction `s` in (0, 1] of it; ends it.

@@ -9,21 +9,6 @@ namespace {
 
 constexpr double kBoxTolerance = 1e-9;  // m
 
-HexahedralGrid::Borders even_borders(const Eigen::Vector3d& size,
-                                     const std::array<int, 3>& elements) {
-  HexahedralGrid::Borders borders;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(size[axis] > 0)) {
-      throw std::invalid_argument("plant: every side of the box must be positive");
-    }
-    if (elements[axis] < 1) throw std::invalid_argument("plant: at least one element per axis");
-    for (int i = 0; i <= elements[axis]; ++i)
-      borders[axis].push_back(i * (size[axis] / elements[axis]));
-    borders[axis].back() = size[axis];
-  }
-  return borders;
-}
-
 }  // namespace
 
 bool Box::contains(const Eigen::Vector3d& p) const {
@@ -72,10 +57,6 @@ HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Borders& bor
   }
   add_surface();
 }
-
-HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
-                               const std::array<int, 3>& elements)
-    : HexahedralGrid(origin, even_borders(size, elements)) {}
 
 std::array<int, 3> HexahedralGrid::cell(int element) const {
   return {element % counts_[0], element / counts_[0] % counts_[1],

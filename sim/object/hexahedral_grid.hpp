@@ -55,10 +55,6 @@ class HexahedralGrid {
   /// Throws std::invalid_argument unless borders begin with 0 and ascend.
   HexahedralGrid(const Eigen::Vector3d& origin, const Borders& borders);
 
-  /// Equal elements. Throws if a side is not positive or a count is below one.
-  HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
-                 const std::array<int, 3>& elements);
-
   int node_count() const { return static_cast<int>(nodes_.cols()); }
   int element_count() const { return static_cast<int>(elements_.cols()); }
   const Eigen::Matrix3Xd& nodes() const { return nodes_; }          // rest positions in O, m

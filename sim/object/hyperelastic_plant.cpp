@@ -210,11 +210,6 @@ void HyperelasticPlant::move_fingertip(int tip, const Eigen::Vector3d& centre,
   if (!present) update_forces(0, 0);
 }
 
-void HyperelasticPlant::remove_fingertip(int tip) noexcept {
-  fingertips_[tip].remove();
-  update_forces(0, 0);
-}
-
 double HyperelasticPlant::load_scale() const noexcept {
   double scale = kUnloadedStrain * options_.young_modulus * options_.size.cwiseAbs2().maxCoeff() +
                  options_.gravity_O.norm() * masses_.sum();
@@ -266,16 +261,6 @@ HyperelasticPlant::Settling HyperelasticPlant::settle(double max_seconds,
   return result;
 }
 
-void HyperelasticPlant::set_grasped(bool grasped, int hand) noexcept {
-  if (hand >= grasp_count() || grasped == grasps_[hand].holding()) return;
-  if (grasped) {
-    grasps_[hand].hold(positions_);
-  } else {
-    grasps_[hand].release();
-  }
-  update_forces(0, 0);
-}
-
 math::Wrench HyperelasticPlant::clamp_wrench() const noexcept {
   math::Wrench total;
   for (const int n : clamped_) {
@@ -314,20 +299,6 @@ double HyperelasticPlant::kinetic_energy() const noexcept {
   for (int n = 0; n < grid_.node_count(); ++n)
     twice += masses_[n] * velocities_.col(n).squaredNorm();
   return 0.5 * twice;
-}
-
-Eigen::Vector3d HyperelasticPlant::linear_momentum() const noexcept {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int n = 0; n < grid_.node_count(); ++n) sum += masses_[n] * velocities_.col(n);
-  return sum;
-}
-
-Eigen::Vector3d HyperelasticPlant::angular_momentum() const noexcept {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int n = 0; n < grid_.node_count(); ++n) {
-    sum += masses_[n] * positions_.col(n).cross(velocities_.col(n));
-  }
-  return sum;
 }
 
 }  // namespace palpate::object

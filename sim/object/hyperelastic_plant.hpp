@@ -68,10 +68,9 @@ class HyperelasticPlant final : public Plant {
   void move_hand(int hand, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept override;
 
   /// Centre and velocity of a fingertip in O at the end of the next step; the first call places it
-  /// there immediately. Tips are absent until moved and after remove_fingertip().
+  /// there immediately. Tips are absent until moved.
   void move_fingertip(int tip, const Eigen::Vector3d& centre,
                       const math::Twist& velocity) noexcept override;
-  void remove_fingertip(int tip) noexcept;
 
   /// Ground truth of a tip's contact; wrench on the tip about its centre, in O: mean over the last
   /// step.
@@ -88,11 +87,7 @@ class HyperelasticPlant final : public Plant {
   /// with damping if that matters.
   Settling settle(double max_seconds, double tolerance = 1e-5) noexcept;
 
-  /// Releases the object, or grasps it without force at the current pose of hand and object.
-  void set_grasped(bool grasped, int hand = 0) noexcept;
-  bool grasped(int hand = 0) const override {
-    return hand < grasp_count() && grasps_[hand].holding();
-  }
+  bool grasped(int hand = 0) const override { return hand < grasp_count(); }
 
   /// Wrench of the hand on the object about the origin of its G, in O, averaged over the last step.
   math::Wrench hand_wrench(int hand = 0) const override {
@@ -139,8 +134,6 @@ class HyperelasticPlant final : public Plant {
   double kinetic_energy() const noexcept;                                       // J
   double elastic_energy() const noexcept { return solid_.energy(positions_); }  // J
   double greatest_plastic_strain() const { return solid_.greatest_plastic_strain(); }
-  Eigen::Vector3d linear_momentum() const noexcept;   // N s
-  Eigen::Vector3d angular_momentum() const noexcept;  // N m s, about the origin of O
 
   /// Longest stable step at rest, held and grasped as constructed, s.
   double critical_step() const { return critical_step_; }

@@ -100,35 +100,11 @@ NeoHookeanSolid::NeoHookeanSolid(const HexahedralGrid& grid, const SolidOptions&
   if (!(viscosity_ >= 0)) throw std::invalid_argument("plant: viscosity must not be negative");
   if (options.yield) yield_ = J2Yield(material_, *options.yield, grid.element_count());
   for (int e = 0; e < grid.element_count(); e += kTogether) packs_.emplace_back(grid, e);
-  find_stiffness(grid, options.regions);
+  for (const ModulusRegion& region : options.regions) set_modulus(grid, region);
 }
 
-void NeoHookeanSolid::find_stiffness(const HexahedralGrid& grid,
-                                     const std::vector<ModulusRegion>& regions) {
-  if (regions.empty()) return;
-  Moduli even;
-  even.fill(math::splat<Pack4d>(1));
-  stiffness_.assign(packs_.size(), even);
-  for (const ModulusRegion& region : regions) {
-    if (!(region.young_modulus > 0)) {
-      throw std::invalid_argument("plant: the young_modulus of a region must be positive");
-    }
-    bool found = false;
-    for (int e = 0; e < grid.element_count(); ++e) {
-      const Eigen::Vector3d lower = grid.nodes().col(grid.elements()(0, e));
-      for (int point = 0; point < kGaussPoints; ++point) {
-        const Eigen::Array3d at = HexahedronPack::point(point);
-        if (!region.box.contains(lower + (at * grid.element_size(e).array()).matrix())) continue;
-        stiffness_[e / kTogether][point][e % kTogether] =
-            region.young_modulus / material_.young_modulus();
-        found = true;
-      }
-    }
-    if (!found) throw std::invalid_argument("plant: a region of the material holds no point");
-  }
-}
-
-void NeoHookeanSolid::cut(const HexahedralGrid& grid, const Box& box) {
+template <class Change>
+bool NeoHookeanSolid::change_stiffness(const HexahedralGrid& grid, const Box& box, Change change) {
   if (stiffness_.empty()) {
     Moduli even;
     even.fill(math::splat<Pack4d>(1));
@@ -140,11 +116,26 @@ void NeoHookeanSolid::cut(const HexahedralGrid& grid, const Box& box) {
     for (int point = 0; point < kGaussPoints; ++point) {
       const Eigen::Array3d at = HexahedronPack::point(point);
       if (!box.contains(lower + (at * grid.element_size(e).array()).matrix())) continue;
-      stiffness_[e / kTogether][point][e % kTogether] *= kCutModulus;
+      Pack4d& stiffness = stiffness_[e / kTogether][point];
+      stiffness[e % kTogether] = change(stiffness[e % kTogether]);
       found = true;
     }
   }
-  if (!found) throw std::invalid_argument("plant: a cut goes through no point of the material");
+  return found;
+}
+
+void NeoHookeanSolid::set_modulus(const HexahedralGrid& grid, const ModulusRegion& region) {
+  if (!(region.young_modulus > 0)) {
+    throw std::invalid_argument("plant: the young_modulus of a region must be positive");
+  }
+  const double relative = region.young_modulus / material_.young_modulus();
+  if (!change_stiffness(grid, region.box, [relative](double) { return relative; }))
+    throw std::invalid_argument("plant: a region of the material holds no point");
+}
+
+void NeoHookeanSolid::cut(const HexahedralGrid& grid, const Box& box) {
+  if (!change_stiffness(grid, box, [](double stiffness) { return stiffness * kCutModulus; }))
+    throw std::invalid_argument("plant: a cut goes through no point of the material");
 }
 
 void NeoHookeanSolid::add_viscous_stress(const ElementGradients& F, const ElementGradients& F_rate,

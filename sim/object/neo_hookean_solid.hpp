@@ -73,7 +73,10 @@ class NeoHookeanSolid {
 
   void add_viscous_stress(const ElementGradients& F, const ElementGradients& F_rate,
                           ElementGradients& P) const noexcept;
-  void find_stiffness(const HexahedralGrid& grid, const std::vector<ModulusRegion>& regions);
+  void set_modulus(const HexahedralGrid& grid, const ModulusRegion& region);
+  /// change(relative stiffness) of each point within the box at rest; false if there is none.
+  template <class Change>
+  bool change_stiffness(const HexahedralGrid& grid, const Box& box, Change change);
 
   NeoHookean material_;
   double viscosity_;

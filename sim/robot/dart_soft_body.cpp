@@ -12,7 +12,6 @@
 #include <dart/dynamics/SoftBodyNode.hpp>
 #include <dart/dynamics/SphereShape.hpp>
 #include <dart/dynamics/TranslationalJoint.hpp>
-#include <dart/dynamics/WeldJoint.hpp>
 #include <dart/simulation/World.hpp>
 #include <iostream>
 #include <memory>
@@ -30,10 +29,8 @@ namespace dd = dart::dynamics;
 namespace {
 
 constexpr int kMostVertices = 230;
-constexpr double kFloor = 2;             // m, edge length
-constexpr double kFloorThickness = 0.1;  // m
-constexpr double kHoldMoving = 1e5;      // N/m
-constexpr double kHoldTurning = 1e3;     // N m/rad
+constexpr double kHoldMoving = 1e5;   // N/m
+constexpr double kHoldTurning = 1e3;  // N m/rad
 /// The core's own mass: negligible, the vertices carry the mass.
 constexpr double kCoreMass = 1e-6, kCoreMoment = 1e-9;
 
@@ -69,13 +66,13 @@ void check(const SoftBoxOptions& o) {
 
 struct DartSoftBody::Dynamics {
   dart::simulation::WorldPtr world = dart::simulation::World::create();
-  dd::SkeletonPtr box = dd::Skeleton::create("box"), floor;
+  dd::SkeletonPtr box = dd::Skeleton::create("box");
   dd::SoftBodyNode* soft = nullptr;
   std::vector<dd::SkeletonPtr> probes;
   double friction = 0;
   Eigen::Matrix3Xd positions;
   Eigen::Matrix3Xi triangles;
-  std::vector<ProbeContact> touches;   // of each probe, then of the floor
+  std::vector<ProbeContact> touches;   // of each probe
   std::vector<Eigen::Vector3d> pulls;  // on each vertex
   int contacts = 0;
 
@@ -116,7 +113,7 @@ struct DartSoftBody::Dynamics {
     const auto made = box->createJointAndBodyNodePair<dd::FreeJoint, dd::SoftBodyNode>(
         nullptr, joint, properties);
     soft = made.second;
-    if (!o.on_floor) hold(*made.first);
+    hold(*made.first);
     dd::Inertia inertia;
     inertia.setMass(kCoreMass);
     inertia.setMoment(kCoreMoment * Eigen::Matrix3d::Identity());
@@ -138,16 +135,6 @@ struct DartSoftBody::Dynamics {
     node->getDynamicsAspect()->setFrictionCoeff(friction);
   }
 
-  void make_floor() {
-    floor = dd::Skeleton::create("floor");
-    dd::WeldJoint::Properties weld;
-    weld.mT_ParentBodyToJoint.translation().z() = -kFloorThickness / 2;
-    auto* body = floor->createJointAndBodyNodePair<dd::WeldJoint>(nullptr, weld).second;
-    give_shape(body,
-               std::make_shared<dd::BoxShape>(Eigen::Vector3d(kFloor, kFloor, kFloorThickness)));
-    world->addSkeleton(floor);
-  }
-
   int add_probe(const dd::ShapePtr& shape, const Eigen::Vector3d& position) {
     dd::SkeletonPtr probe = dd::Skeleton::create("probe " + std::to_string(probes.size()));
     const auto made = probe->createJointAndBodyNodePair<dd::TranslationalJoint>();
@@ -166,7 +153,7 @@ struct DartSoftBody::Dynamics {
     const dd::Skeleton* skeleton = node ? node->getSkeleton().get() : nullptr;
     for (std::size_t i = 0; i < probes.size(); ++i)
       if (probes[i].get() == skeleton) return i;
-    return skeleton == floor.get() ? probes.size() : touches.size();
+    return probes.size();
   }
 
   void apply_pulls() {
@@ -211,9 +198,7 @@ DartSoftBody::DartSoftBody(const SoftBoxOptions& options)
   d.world->getConstraintSolver()->setCollisionDetector(make_detector());
   d.world->setGravity(options.gravity_O);
   d.friction = options.friction;
-  d.touches.resize(1);
   d.make_box(options);
-  if (options.on_floor) d.make_floor();
   d.read_positions();
 }
 
@@ -262,15 +247,9 @@ math::Pose DartSoftBody::core() const { return dynamics_->soft->getWorldTransfor
 Eigen::Vector3d DartSoftBody::probe_position(int probe) const {
   return dynamics_->probes.at(probe)->getBodyNode(0)->getWorldTransform().translation();
 }
-Eigen::Vector3d DartSoftBody::probe_force(int probe) const {
-  if (probe < 0 || probe >= static_cast<int>(dynamics_->probes.size()))
-    throw std::out_of_range("no such probe");
-  return dynamics_->touches[probe].force;
-}
 const ProbeContact& DartSoftBody::probe_contact(int probe) const {
   return dynamics_->touches.at(probe);
 }
-Eigen::Vector3d DartSoftBody::floor_force() const { return dynamics_->touches.back().force; }
 int DartSoftBody::contact_count() const { return dynamics_->contacts; }
 
 }  // namespace palpate::robot

@@ -22,18 +22,16 @@ struct SoftBoxOptions {
   double vertex_stiffness = 50;       // N/m, from each vertex to its rest position in the core
   double edge_stiffness = 20;         // N/m, along each edge, on the difference of displacements
   double damping = 0.2;               // N s/m, of each vertex
-  bool on_floor = true;               // otherwise the core is fixed
   double friction = 0.6;
   Eigen::Vector3d gravity_O{0, 0, -9.81};  // m/s^2
 };
 
 /// DART's soft body (Jain and Liu 2011) as a plant: a box whose skin of point masses is attached by
-/// springs to a rigid core. The core rests freely on the plane z = 0 of O, or is fixed. The body
-/// dents locally and recovers, but does not bend or stretch globally, because its core is rigid.
-/// Probes, fingertips or plates, follow prescribed motions regardless of the box. Contact is
-/// detected where surfaces intersect, so that a probe narrower than the vertex spacing meets only
-/// one or two vertices, and one that penetrates by more than a triangle in one step is lost. All
-/// quantities are in O.
+/// springs to a rigid, fixed core. The body dents locally and recovers, but does not bend or
+/// stretch globally. Probes, fingertips or plates, follow prescribed motions regardless of the box.
+/// Contact is detected where surfaces intersect, so that a probe narrower than the vertex spacing
+/// meets only one or two vertices, and one that penetrates by more than a triangle in one step is
+/// lost. All quantities are in O.
 class DartSoftBody {
  public:
   /// Throws std::invalid_argument.
@@ -60,11 +58,8 @@ class DartSoftBody {
   const Eigen::Matrix3Xi& surface_triangles() const;  // outward
   math::Pose core() const;                            // of the box's centre
   Eigen::Vector3d probe_position(int probe) const;
-  /// Mean contact force of the box on a probe over the last step, N.
-  Eigen::Vector3d probe_force(int probe) const;
+  /// Mean over the last step. Throws std::out_of_range.
   const ProbeContact& probe_contact(int probe) const;
-  /// The same for everything in contact with the floor.
-  Eigen::Vector3d floor_force() const;
   int contact_count() const;  // in the last step
 
  private:

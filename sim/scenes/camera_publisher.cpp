@@ -117,6 +117,23 @@ std::vector<Occlusion> read_occlusions(const config::Node& node) {
   return occlusions;
 }
 
+bool is_occluded(const std::vector<Occlusion>& occlusions, std::int64_t now_us) {
+  const double now = 1e-6 * static_cast<double>(now_us);
+  return std::any_of(occlusions.begin(), occlusions.end(), [now](const Occlusion& occlusion) {
+    return now >= occlusion.at && now < occlusion.at + occlusion.duration;
+  });
+}
+
+shape_observation_t make_observation(const Eigen::Matrix3Xd& points_W, double deviation) {
+  shape_observation_t message{};
+  const Eigen::Matrix3Xf points = points_W.cast<float>();
+  message.count = static_cast<std::int32_t>(points.cols());
+  message.deviation = deviation;
+  for (int i = 0; i < message.count; ++i)
+    Eigen::Map<Eigen::Vector3f>(message.points[i]) = points.col(i);
+  return message;
+}
+
 CameraScenery::CameraScenery(const Scene& scene, const std::vector<Arm>& arms)
     : X_WO_(scene.X_WO), object_colour_(scene.camera->filter.colour) {
   for (std::size_t i = 0; i < arms.size(); ++i) {
@@ -156,29 +173,10 @@ CameraPublisher::CameraPublisher(bus::MessageBus& control, const Scene& scene,
       scenery_(scene, arms),
       camera_(*scene.camera, kMostPoints),
       start_utime_(start_utime),
-      publisher_(control, channel::kShapeObservation),
-      stamp_(session) {}
-
-bool CameraPublisher::is_occluded(std::int64_t now_us) const {
-  const double now = 1e-6 * static_cast<double>(now_us);
-  return std::any_of(occlusions_.begin(), occlusions_.end(), [now](const Occlusion& occlusion) {
-    return now >= occlusion.at && now < occlusion.at + occlusion.duration;
-  });
-}
+      publisher_(control, channel::kShapeObservation, session) {}
 
 void CameraPublisher::collect(bool wait) {
   if (auto shape = camera_.collect(wait)) channel_.put(drawn_us_, {drawn_us_, std::move(*shape)});
-}
-
-void CameraPublisher::publish(const Reading& reading) {
-  shape_observation_t message{};
-  stamp_.put(message, start_utime_ + reading.time_us);
-  const Eigen::Matrix3Xf points = reading.shape.points_W.cast<float>();
-  message.count = static_cast<std::int32_t>(points.cols());
-  message.deviation = reading.shape.deviation;
-  for (int i = 0; i < message.count; ++i)
-    Eigen::Map<Eigen::Vector3f>(message.points[i]) = points.col(i);
-  publisher_.publish(message);
 }
 
 void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
@@ -186,7 +184,7 @@ void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
   if (channel_.due(now_us)) {
     ++pictures_;
     collect(!may_lag_);
-    if (is_occluded(now_us)) {
+    if (is_occluded(occlusions_, now_us)) {
       // Marks an omitted image.
     } else if (camera_.busy()) {
       ++left_out_;
@@ -199,7 +197,10 @@ void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
   // No reading arrives before its delay has passed: waiting is needed only then.
   collect(!may_lag_ && now_us >= drawn_us_ + delay_us_);
   Reading reading;
-  while (channel_.take(now_us, reading)) publish(reading);
+  while (channel_.take(now_us, reading)) {
+    auto message = make_observation(reading.shape.points_W, reading.shape.deviation);
+    publisher_.publish(message, start_utime_ + reading.time_us);
+  }
 }
 
 }  // namespace palpate::scenes

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "rt/config/node.hpp"
 #include "sim/camera/background_camera.hpp"
 #include "sim/camera/depth_camera.hpp"
@@ -27,6 +26,10 @@ camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& sc
 /// `occlusions` of the same key: the camera observes and sends nothing from `at` on for `duration`
 /// s.
 std::vector<Occlusion> read_occlusions(const config::Node& node);
+bool is_occluded(const std::vector<Occlusion>& occlusions, std::int64_t now_us);
+
+/// Points in W, at most as many as the message holds, and their standard deviation, m.
+shape_observation_t make_observation(const Eigen::Matrix3Xd& points_W, double deviation);
 
 /// Bodies in view of a scene's camera: arms and hands as the primitive shapes of their URDF file,
 /// the object, and a block of the test rig behind the clamped face.
@@ -76,9 +79,7 @@ class CameraPublisher {
     std::int64_t time_us = 0;  // of the image
     camera::ShapeReading shape;
   };
-  bool is_occluded(std::int64_t now_us) const;
   void collect(bool wait);
-  void publish(const Reading& reading);
 
   sensors::Channel<Reading> channel_;
   std::int64_t delay_us_;
@@ -91,8 +92,7 @@ class CameraPublisher {
   std::int64_t left_out_ = 0;
   bool may_lag_ = false;
   std::int64_t start_utime_;
-  bus::TypedPublisher<shape_observation_t> publisher_;
-  bus::HeaderStamper stamp_;
+  bus::StampedPublisher<shape_observation_t> publisher_;
 };
 
 }  // namespace palpate::scenes

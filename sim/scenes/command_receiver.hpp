@@ -4,6 +4,7 @@
 #include <palpate/hand_command_t.hpp>
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <string>
 
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
@@ -38,15 +39,22 @@ class CommandReceiver {
   std::int64_t lost() const;
 
  private:
-  void apply(const twist_command_t& message, robot::Robot& robot);
-  void apply(const joint_velocity_command_t& message, robot::Robot& robot);
+  template <class Message>
+  struct Input {
+    Input(bus::MessageBus& control, const std::string& channel, const std::optional<bus::Key>& key);
+    std::int64_t lost() const { return order.lost() + queue.counters().dropped; }
+    bus::TypedSubscription<Message> queue;
+    bus::ReplayGuard admission;
+    bus::SequenceTracker order;
+  };
+  /// Passes on what has arrived; `take` returns false for a message to be rejected.
+  template <class Message, class Take>
+  void drain(Input<Message>& input, Take take);
 
   int arm_;
-  bus::TypedSubscription<twist_command_t> twists_;
-  bus::TypedSubscription<joint_velocity_command_t> joints_;
-  bus::TypedSubscription<hand_command_t> hands_;
-  bus::ReplayGuard twist_admission_, joint_admission_, hand_admission_;
-  bus::SequenceTracker twist_order_, joint_order_, hand_order_;
+  Input<twist_command_t> twists_;
+  Input<joint_velocity_command_t> joints_;
+  Input<hand_command_t> hands_;
   std::int64_t accepted_ = 0;
   std::int64_t rejected_ = 0;
 };

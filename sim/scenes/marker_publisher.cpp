@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <palpate/channels.hpp>
 
+#include "sim/scenes/camera_publisher.hpp"
+
 namespace palpate::scenes {
 namespace {
 
@@ -19,28 +21,8 @@ MarkerPublisher::MarkerPublisher(bus::MessageBus& control, const Scene& scene,
       channel_(options_.timing, math::Random(scene.seed, "markers")),
       noise_(scene.seed, "marker noise"),
       start_utime_(start_utime),
-      publisher_(control, channel::kShapeObservation),
-      stamp_(session) {
+      publisher_(control, channel::kShapeObservation, session) {
   for (const Eigen::Vector3d& point : options_.rest_points) markers_.push_back(plant.locate(point));
-}
-
-bool MarkerPublisher::is_occluded(std::int64_t now_us) const {
-  const double now = 1e-6 * static_cast<double>(now_us);
-  return std::any_of(options_.occlusions.begin(), options_.occlusions.end(),
-                     [now](const Occlusion& occlusion) {
-                       return now >= occlusion.at && now < occlusion.at + occlusion.duration;
-                     });
-}
-
-void MarkerPublisher::publish(const Reading& reading) {
-  shape_observation_t message{};
-  stamp_.put(message, start_utime_ + reading.time_us);
-  const Eigen::Matrix3Xf points = reading.points_W.cast<float>();
-  message.count = static_cast<std::int32_t>(points.cols());
-  message.deviation = std::max(kLeastDeviation, options_.noise);
-  for (int i = 0; i < message.count; ++i)
-    Eigen::Map<Eigen::Vector3f>(message.points[i]) = points.col(i);
-  publisher_.publish(message);
 }
 
 void MarkerPublisher::step(std::int64_t now_us, const object::HyperelasticPlant& plant) {
@@ -53,10 +35,13 @@ void MarkerPublisher::step(std::int64_t now_us, const object::HyperelasticPlant&
     }
     // Noise is drawn in every case, so that an occlusion does not change the noise of later
     // readings.
-    if (!is_occluded(now_us)) channel_.put(now_us, std::move(reading));
+    if (!is_occluded(options_.occlusions, now_us)) channel_.put(now_us, std::move(reading));
   }
   Reading reading;
-  while (channel_.take(now_us, reading)) publish(reading);
+  while (channel_.take(now_us, reading)) {
+    auto message = make_observation(reading.points_W, std::max(kLeastDeviation, options_.noise));
+    publisher_.publish(message, start_utime_ + reading.time_us);
+  }
 }
 
 }  // namespace palpate::scenes

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "core/math/random.hpp"
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/scenes/scene.hpp"
 #include "sim/sensors/channel.hpp"
@@ -34,8 +33,6 @@ class MarkerPublisher {
     std::int64_t time_us = 0;
     Eigen::Matrix3Xd points_W;
   };
-  bool is_occluded(std::int64_t now_us) const;
-  void publish(const Reading& reading);
 
   MarkerOptions options_;
   math::Pose X_WO_;
@@ -43,8 +40,7 @@ class MarkerPublisher {
   sensors::Channel<Reading> channel_;
   math::Random noise_;
   std::int64_t start_utime_;
-  bus::TypedPublisher<shape_observation_t> publisher_;
-  bus::HeaderStamper stamp_;
+  bus::StampedPublisher<shape_observation_t> publisher_;
 };
 
 }  // namespace palpate::scenes

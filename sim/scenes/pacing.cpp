@@ -5,17 +5,13 @@
 #include <ctime>
 #include <palpate/channels.hpp>
 
+#include "rt/loop/fixed_rate_loop.hpp"
+
 namespace palpate::scenes {
 namespace {
 
 constexpr std::int64_t kMostMadeUpFor = 20'000'000;  // ns
 constexpr std::int64_t kSecond = 1'000'000'000;
-
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kSecond + now.tv_nsec;
-}
 
 }  // namespace
 
@@ -23,9 +19,8 @@ constexpr std::chrono::milliseconds kRepeat{5};
 
 LockStep::LockStep(bus::MessageBus& control, std::int64_t session, double patience)
     : control_(control),
-      ticks_(control, channel::kSimTick),
+      ticks_(control, channel::kSimTick, session),
       done_(control, channel::kTickDone, 64),
-      stamp_(session),
       patience_(
           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience))) {}
 
@@ -37,8 +32,7 @@ void LockStep::send(std::int64_t tick, std::int64_t period_us, std::int64_t utim
 }
 
 void LockStep::publish() {
-  stamp_.put(tick_, tick_.utime);
-  ticks_.publish(tick_);
+  ticks_.publish(tick_, tick_.utime);
   sent_ = Clock::now();
 }
 
@@ -70,11 +64,11 @@ LockStep::Answer LockStep::wait(const std::atomic<bool>& stop) {
 RealTimePacer::RealTimePacer(std::int64_t period_ns) : period_ns_(period_ns) {}
 
 void RealTimePacer::wait() {
-  if (next_ns_ == 0) next_ns_ = now_ns();
+  if (next_ns_ == 0) next_ns_ = loop::monotonic_ns();
   const timespec due{next_ns_ / kSecond, next_ns_ % kSecond};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) {
   }
-  const std::int64_t late = now_ns() - next_ns_;
+  const std::int64_t late = loop::monotonic_ns() - next_ns_;
   worst_ns_ = std::max(worst_ns_, late);
   if (late >= period_ns_) ++overruns_;
   if (late > kMostMadeUpFor) {

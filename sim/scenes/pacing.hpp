@@ -6,8 +6,7 @@
 #include <palpate/sim_tick_t.hpp>
 #include <palpate/tick_done_t.hpp>
 
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 
 namespace palpate::scenes {
 
@@ -39,9 +38,8 @@ class LockStep {
   void publish();
 
   bus::MessageBus& control_;
-  bus::TypedPublisher<sim_tick_t> ticks_;
+  bus::StampedPublisher<sim_tick_t> ticks_;
   bus::TypedSubscription<tick_done_t> done_;
-  bus::HeaderStamper stamp_;
   Clock::duration patience_;
   Clock::time_point sent_;
   sim_tick_t tick_{};

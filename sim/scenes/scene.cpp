@@ -20,6 +20,14 @@ object::Box read_box(const config::Node& node) {
           node.vector3({"upper", "m", "highest corner"})};
 }
 
+/// Along each edge of a box.
+Eigen::Vector3i read_counts(const config::Node& node, const config::Key& key,
+                            const config::Range& range) {
+  const Eigen::Vector3d counts = node.vector3(key, range);
+  if (counts != counts.array().floor().matrix()) node.fail(key.name, "must be whole numbers");
+  return counts.cast<int>();
+}
+
 void read_bus(const config::Node& node, BusUrls& bus) {
   bus.control = node.text({"control", "", "sensors, robot and commands"}, bus.control);
   bus.housekeeping = node.text({"housekeeping", "", "truth"}, bus.housekeeping);
@@ -109,12 +117,7 @@ void read_material(const config::Node& object, object::PlantOptions& plant) {
 robot::SoftBoxOptions read_soft_box(const config::Node& node) {
   robot::SoftBoxOptions box;
   box.size = node.vector3({"size", "m", "edges of the box"}, {kSmallest, 100});
-  const std::vector<double> vertices =
-      node.numbers({"vertices", "", "point masses along each edge"}, 3, {3, 200});
-  for (int i = 0; i < 3; ++i) {
-    if (vertices[i] != std::floor(vertices[i])) node.fail("vertices", "must be whole numbers");
-    box.vertices[i] = static_cast<int>(vertices[i]);
-  }
+  box.vertices = read_counts(node, {"vertices", "", "point masses along each edge"}, {3, 200});
   const config::Node material = node.child({"material", "", "of the springs of DART"});
   box.mass = material.number({"density", "kg/m^3", "of mass"}, {1, 2e4}) * box.size.prod();
   box.vertex_stiffness = material.number(
@@ -125,7 +128,6 @@ robot::SoftBoxOptions read_soft_box(const config::Node& node) {
       node.number({"damping", "", "of the point masses, as DART takes it"}, {0, 1e3}, box.damping);
   box.friction =
       node.number({"friction", "", "of Coulomb, against fingertips"}, {0, 10}, box.friction);
-  box.on_floor = false;
   return box;
 }
 
@@ -140,12 +142,8 @@ void read_object(const config::Node& node, Scene& scene) {
     scene.object_gravity = node.flag({"gravity", "", "whether gravity acts on the object"}, true);
     return;
   }
-  const std::vector<double> elements =
-      node.numbers({"elements", "", "hexahedra with 27 nodes along each edge"}, 3, {1, 200});
-  for (int i = 0; i < 3; ++i) {
-    if (elements[i] != std::floor(elements[i])) node.fail("elements", "must be whole numbers");
-    plant.elements[i] = static_cast<int>(elements[i]);
-  }
+  Eigen::Vector3i::Map(plant.elements.data()) =
+      read_counts(node, {"elements", "", "hexahedra with 27 nodes along each edge"}, {1, 200});
   plant.grading = node.number(
       {"grading", "",
        "growth of the lengths of elements away from where the object is held; 1: all are equal"},

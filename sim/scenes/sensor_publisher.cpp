@@ -4,30 +4,21 @@
 #include <iterator>
 #include <palpate/channels.hpp>
 
-#include <palpate/channels.hpp>
-
 namespace palpate::scenes {
 
 SensorPublisher::SensorPublisher(bus::MessageBus& control, std::int64_t session,
                                  std::int64_t start_utime, int arm)
     : start_utime_(start_utime),
-      ft_(control, channel::of_arm(channel::kFtWrench, arm)),
-      imu_(control, channel::of_arm(channel::kImu, arm)),
-      robot_(control, channel::of_arm(channel::kRobotState, arm)),
-      hand_(control, channel::of_arm(channel::kHandState, arm)),
-      ft_stamp_(session),
-      imu_stamp_(session),
-      robot_stamp_(session),
-      hand_stamp_(session) {
-  for (int i = 0; i < sensors::kMostFingertips; ++i) {
-    biotacs_.emplace_back(control, channel::of_arm("BIOTAC_" + std::to_string(i), arm));
-    biotac_stamps_.emplace_back(session);
-  }
+      ft_(control, channel::of_arm(channel::kFtWrench, arm), session),
+      imu_(control, channel::of_arm(channel::kImu, arm), session),
+      robot_(control, channel::of_arm(channel::kRobotState, arm), session),
+      hand_(control, channel::of_arm(channel::kHandState, arm), session) {
+  for (int i = 0; i < sensors::kMostFingertips; ++i)
+    biotacs_.emplace_back(control, channel::of_arm("BIOTAC_" + std::to_string(i), arm), session);
 }
 
 void SensorPublisher::publish(const sensors::RobotReading& reading) {
   robot_state_t message{};
-  robot_stamp_.put(message, start_utime_ + reading.time_us);
   message.joint_count = static_cast<std::int32_t>(reading.q.size());
   std::copy_n(reading.q.data(), reading.q.size(), message.q);
   std::copy_n(reading.dq.data(), reading.dq.size(), message.dq);
@@ -35,12 +26,11 @@ void SensorPublisher::publish(const sensors::RobotReading& reading) {
   Eigen::Map<Eigen::Vector3d>(message.position) = reading.X_WE.translation();
   math::wxyz_from_rotation(reading.X_WE.linear(), message.quaternion);
   Eigen::Map<math::Vector6d>(message.twist) = reading.V_W_E.vector();
-  robot_.publish(message);
+  robot_.publish(message, start_utime_ + reading.time_us);
 }
 
 void SensorPublisher::publish(const sensors::HandReading& reading) {
   hand_state_t message{};
-  hand_stamp_.put(message, start_utime_ + reading.time_us);
   message.grasp = hand_state_t::GRASP_NONE;
   if (reading.holding) message.grasp = hand_state_t::GRASP_HOLDING;
   if (reading.holding && reading.slipping) message.grasp = hand_state_t::GRASP_SLIPPING;
@@ -52,12 +42,11 @@ void SensorPublisher::publish(const sensors::HandReading& reading) {
   }
   message.joint_count = std::min<int>(reading.q.size(), std::size(message.q));
   std::copy_n(reading.q.data(), message.joint_count, message.q);
-  hand_.publish(message);
+  hand_.publish(message, start_utime_ + reading.time_us);
 }
 
 void SensorPublisher::publish(int finger, const sensors::BiotacReading& reading) {
   biotac_t message{};
-  biotac_stamps_[finger].put(message, start_utime_ + reading.time_us);
   message.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC |
                   biotac_t::VALID_TEMPERATURE;
   std::copy(reading.electrodes.begin(), reading.electrodes.end(), message.electrodes);
@@ -66,7 +55,7 @@ void SensorPublisher::publish(int finger, const sensors::BiotacReading& reading)
   message.pdc = reading.pdc;
   message.tac = reading.tac;
   message.tdc = reading.tdc;
-  biotacs_[finger].publish(message);
+  biotacs_[finger].publish(message, start_utime_ + reading.time_us);
 }
 
 void SensorPublisher::publish(sensors::SensorSuite& suite, std::int64_t now_us) {
@@ -81,17 +70,15 @@ void SensorPublisher::publish(sensors::SensorSuite& suite, std::int64_t now_us) 
   sensors::InertialReading inertial;
   while (suite.take(now_us, inertial)) {
     imu_t message{};
-    imu_stamp_.put(message, start_utime_ + inertial.time_us);
     Eigen::Map<Eigen::Vector3d>(message.acceleration) = inertial.motion.head<3>();
     Eigen::Map<Eigen::Vector3d>(message.angular_velocity) = inertial.motion.tail<3>();
-    imu_.publish(message);
+    imu_.publish(message, start_utime_ + inertial.time_us);
   }
   sensors::ForceTorqueReading wrench;
   while (suite.take(now_us, wrench)) {
     ft_wrench_t message{};
-    ft_stamp_.put(message, start_utime_ + wrench.time_us);
     Eigen::Map<math::Vector6d>(message.wrench) = wrench.wrench;
-    ft_.publish(message);
+    ft_.publish(message, start_utime_ + wrench.time_us);
   }
 }
 

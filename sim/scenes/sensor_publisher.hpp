@@ -7,8 +7,7 @@
 #include <palpate/imu_t.hpp>
 #include <palpate/robot_state_t.hpp>
 
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "sim/sensors/sensor_suite.hpp"
 
 namespace palpate::scenes {
@@ -31,13 +30,11 @@ class SensorPublisher {
   void publish(int finger, const sensors::BiotacReading& reading);
 
   std::int64_t start_utime_;
-  bus::TypedPublisher<ft_wrench_t> ft_;
-  bus::TypedPublisher<imu_t> imu_;
-  bus::TypedPublisher<robot_state_t> robot_;
-  bus::TypedPublisher<hand_state_t> hand_;
-  std::vector<bus::TypedPublisher<biotac_t>> biotacs_;
-  std::vector<bus::HeaderStamper> biotac_stamps_;
-  bus::HeaderStamper ft_stamp_, imu_stamp_, robot_stamp_, hand_stamp_;
+  bus::StampedPublisher<ft_wrench_t> ft_;
+  bus::StampedPublisher<imu_t> imu_;
+  bus::StampedPublisher<robot_state_t> robot_;
+  bus::StampedPublisher<hand_state_t> hand_;
+  std::vector<bus::StampedPublisher<biotac_t>> biotacs_;
 };
 
 }  // namespace palpate::scenes

@@ -10,9 +10,9 @@
 namespace palpate::scenes {
 namespace {
 
-constexpr double kPeriod = 1e-3;      // s
-constexpr double kSettlingTime = 10;  // s, simulated, at most
-constexpr double kRest = 1e-8;        // m per step
+constexpr double kPeriod = 1e-3;         // s
+constexpr double kLongestSettling = 10;  // s, simulated, at most
+constexpr double kRest = 1e-8;           // m per step
 using math::kPi;
 constexpr double kSticking = 0.99;  // of the friction cone
 
@@ -46,7 +46,7 @@ void SoftBoxPlant::read_shape() {
 }
 
 void SoftBoxPlant::settle() {
-  for (double time = 0; time < kSettlingTime; time += kPeriod) {
+  for (double time = 0; time < kLongestSettling; time += kPeriod) {
     const Eigen::Matrix3Xd before = positions_;
     step(kPeriod);
     if (!positions_.allFinite()) break;

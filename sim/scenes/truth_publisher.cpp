@@ -1,15 +1,11 @@
 #include "sim/scenes/truth_publisher.hpp"
 
-#include <algorithm>
 #include <palpate/channels.hpp>
 
 #include "core/math/fnv1a.hpp"
 
 namespace palpate::scenes {
 namespace {
-
-/// Numbers of four bytes in one chunk; a datagram takes 60 kB.
-constexpr std::size_t kChunkNumbers = 12000;
 
 std::int64_t hash(const object::Plant& plant) {
   const Eigen::Matrix3Xd& nodes = plant.rest_positions();
@@ -19,97 +15,44 @@ std::int64_t hash(const object::Plant& plant) {
   return fnv.signed_value();
 }
 
-/// Distributes `values` over as many chunks as needed, in groups that stay together; `add` receives
-/// chunk, first and last.
-template <class Add>
-void deal(std::size_t count, std::size_t group, std::vector<shape_mesh_t>& chunks,
-          std::vector<std::size_t>& room, Add add) {
-  std::size_t done = 0, chunk = 0;
-  while (done < count) {
-    if (chunk == chunks.size()) {
-      chunks.emplace_back();
-      room.push_back(kChunkNumbers);
-    }
-    const std::size_t n = std::min(count - done, room[chunk] / group * group);
-    if (n > 0) add(chunks[chunk], done, done + n);
-    room[chunk] -= n;
-    done += n;
-    if (done < count) ++chunk;
-  }
+shape_mesh_t mesh_message(const object::Plant& plant) {
+  const Eigen::Matrix3Xd& nodes = plant.rest_positions();
+  const Eigen::MatrixXi& elements = plant.elements();
+  const Eigen::Matrix3Xi& triangles = plant.surface_triangles();
+  shape_mesh_t message{};
+  message.mesh_hash = hash(plant);
+  message.element_kind = shape_mesh_t::QUADRATIC_HEXAHEDRA;
+  if (elements.rows() == 4) message.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
+  message.node_count = static_cast<std::int32_t>(nodes.cols());
+  message.element_size = static_cast<std::int32_t>(elements.rows());
+  message.rest_xyz.assign(nodes.data(), nodes.data() + nodes.size());
+  message.elements.assign(elements.data(), elements.data() + elements.size());
+  message.triangles.assign(triangles.data(), triangles.data() + triangles.size());
+  message.constrained.assign(plant.clamped_nodes().begin(), plant.clamped_nodes().end());
+  return message;
 }
 
 }  // namespace
 
-std::vector<shape_mesh_t> mesh_chunks(const object::Plant& plant) {
-  std::vector<shape_mesh_t> chunks;
-  std::vector<std::size_t> room;
-  const Eigen::Matrix3Xd& nodes = plant.rest_positions();
-  const Eigen::MatrixXi& elements = plant.elements();
-  const Eigen::Matrix3Xi& triangles = plant.surface_triangles();
-  const std::vector<int>& clamped = plant.clamped_nodes();
-
-  deal(nodes.size(), 3, chunks, room, [&](shape_mesh_t& c, std::size_t first, std::size_t last) {
-    c.first_node = static_cast<std::int32_t>(first / 3);
-    c.rest_xyz.assign(nodes.data() + first, nodes.data() + last);
-  });
-  deal(elements.size(), elements.rows(), chunks, room,
-       [&](shape_mesh_t& c, std::size_t first, std::size_t last) {
-         c.elements.assign(elements.data() + first, elements.data() + last);
-       });
-  deal(triangles.size(), 3, chunks, room,
-       [&](shape_mesh_t& c, std::size_t first, std::size_t last) {
-         c.triangles.assign(triangles.data() + first, triangles.data() + last);
-       });
-  deal(clamped.size(), 1, chunks, room, [&](shape_mesh_t& c, std::size_t first, std::size_t last) {
-    c.constrained.assign(clamped.begin() + first, clamped.begin() + last);
-  });
-  const std::int64_t name = hash(plant);
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    shape_mesh_t& c = chunks[i];
-    c.mesh_hash = name;
-    c.element_kind = shape_mesh_t::QUADRATIC_HEXAHEDRA;
-    if (elements.rows() == 4) c.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
-    c.chunk = static_cast<std::int16_t>(i);
-    c.chunks = static_cast<std::int16_t>(chunks.size());
-    c.corner_count = static_cast<std::int32_t>(nodes.cols());
-    c.rest_xyz_count = static_cast<std::int32_t>(c.rest_xyz.size());
-    c.element_size = static_cast<std::int32_t>(elements.rows());
-    c.element_index_count = static_cast<std::int32_t>(c.elements.size());
-    c.triangle_index_count = static_cast<std::int32_t>(c.triangles.size());
-    c.constrained_count = static_cast<std::int32_t>(c.constrained.size());
-  }
-  return chunks;
-}
-
 TruthPublisher::TruthPublisher(bus::MessageBus& housekeeping, const object::Plant& plant,
                                std::int64_t session)
-    : shapes_(housekeeping, channel::kTruthShape),
-      contacts_(housekeeping, channel::kTruthContact),
-      touches_(housekeeping, channel::kTruthTouch),
-      meshes_(housekeeping, channel::kTruthMesh),
+    : mesh_hash_(hash(plant)),
+      shapes_(housekeeping, channel::kTruthShape, bus::Urgency::kNow, mesh_hash_,
+              static_cast<int>(plant.positions().cols())),
+      contacts_(housekeeping, channel::kTruthContact, session),
+      touches_(housekeeping, channel::kTruthTouch, session),
+      mesh_(housekeeping, channel::kTruthMesh, bus::Urgency::kNow, mesh_message(plant)),
       shape_stamp_(session),
-      contact_stamp_(session),
-      touch_stamp_(session),
-      mesh_stamp_(session),
-      shape_{},
-      chunks_(mesh_chunks(plant)) {
-  shape_.mesh_hash = chunks_.front().mesh_hash;
-  shape_.status = shape_t::STATUS_CURRENT;
-  shape_.node_count = static_cast<std::int32_t>(plant.positions().cols());
-  shape_.xyz_count = 3 * shape_.node_count;
-  shape_.xyz.resize(shape_.xyz_count);
-}
+      mesh_stamp_(session) {}
 
 void TruthPublisher::publish_shape(const object::Plant& plant, std::int64_t utime) {
-  shape_stamp_.put(shape_, utime);
-  std::copy_n(plant.positions().data(), shape_.xyz_count, shape_.xyz.begin());
-  shapes_.publish(shape_);
+  shapes_.publish({plant.positions().data(), nullptr, shape_t::STATUS_CURRENT, 0}, shape_stamp_,
+                  utime);
 }
 
 void TruthPublisher::publish_contact(const object::Plant& plant,
                                      const std::vector<math::Pose>& X_OG, std::int64_t utime) {
   truth_contact_t message{};
-  contact_stamp_.put(message, utime);
   for (auto& quaternion : message.grasp_quaternion) quaternion[0] = 1;
   for (int i = 0; i < plant.grasp_count(); ++i) {
     if (!plant.grasped(i)) continue;
@@ -118,13 +61,12 @@ void TruthPublisher::publish_contact(const object::Plant& plant,
     math::wxyz_from_rotation(X_OG[i].linear(), message.grasp_quaternion[i]);
     Eigen::Map<math::Vector6d>(message.grasp_wrench[i]) = plant.hand_wrench(i).vector();
   }
-  contacts_.publish(message);
+  contacts_.publish(message, utime);
 }
 
 void TruthPublisher::publish_touch(const object::Plant& plant, const FingertipCoupling& fingertips,
                                    std::int64_t utime) {
   truth_touch_t message{};
-  touch_stamp_.put(message, utime);
   message.fingertip_count = fingertips.finger_count();
   for (int i = 0; i < fingertips.tip_count(); ++i) {
     const object::FingertipTouch& touch = plant.touch(i);
@@ -137,14 +79,11 @@ void TruthPublisher::publish_touch(const object::Plant& plant, const FingertipCo
     message.radius[finger] = sensors::radius_of(touch.area);
     message.slipped[finger] = touch.slipped;
   }
-  touches_.publish(message);
+  touches_.publish(message, utime);
 }
 
 void TruthPublisher::publish_mesh(std::int64_t utime) {
-  for (shape_mesh_t& chunk : chunks_) {
-    mesh_stamp_.put(chunk, utime);
-    meshes_.publish(chunk);
-  }
+  for (int chunk = 0; chunk < mesh_.chunks(); ++chunk) mesh_.publish_chunk(mesh_stamp_, utime);
 }
 
 }  // namespace palpate::scenes

@@ -1,14 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <palpate/shape_mesh_t.hpp>
-#include <palpate/shape_t.hpp>
 #include <palpate/truth_contact_t.hpp>
 #include <palpate/truth_touch_t.hpp>
 #include <vector>
 
-#include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
+#include "rt/bus/shape_chunks.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "sim/object/plant.hpp"
 #include "sim/scenes/fingertips.hpp"
 
@@ -28,19 +27,15 @@ class TruthPublisher {
                      std::int64_t utime);
   void publish_mesh(std::int64_t utime);
 
-  std::int64_t mesh_hash() const { return shape_.mesh_hash; }
+  std::int64_t mesh_hash() const { return mesh_hash_; }
 
  private:
-  bus::TypedPublisher<shape_t> shapes_;
-  bus::TypedPublisher<truth_contact_t> contacts_;
-  bus::TypedPublisher<truth_touch_t> touches_;
-  bus::TypedPublisher<shape_mesh_t> meshes_;
-  bus::HeaderStamper shape_stamp_, contact_stamp_, touch_stamp_, mesh_stamp_;
-  shape_t shape_;
-  std::vector<shape_mesh_t> chunks_;  // of the mesh, which is constant
+  std::int64_t mesh_hash_;
+  bus::ShapePublisher shapes_;
+  bus::StampedPublisher<truth_contact_t> contacts_;
+  bus::StampedPublisher<truth_touch_t> touches_;
+  bus::MeshPublisher mesh_;
+  bus::HeaderStamper shape_stamp_, mesh_stamp_;
 };
-
-/// The plant's mesh in chunks that each fit a datagram.
-std::vector<shape_mesh_t> mesh_chunks(const object::Plant& plant);
 
 }  // namespace palpate::scenes

@@ -26,6 +26,7 @@ ALLOWED = {
     "core/control": "core/math core/elasticity core/contact core/shape core/kinematics",
     "rt/loop": "core/math",
     "rt/bus": "rt/loop",
+    "rt/client": "rt/bus",
     "rt/config": "core/math core/mesh rt/bus",
     "rt/inference": "core/sensing rt/loop rt/config",
     "rt/plugin": "core/mesh core/sensing core/contact core/estimation core/control rt/loop rt/config",
@@ -40,13 +41,13 @@ ALLOWED = {
     "sim/object": "core/math",
     "sim/robot": "core/math",
     "sim/sensors": "core/math core/sensing/biotac_geometry.hpp rt/config sim/camera",
-    "sim/scenes": "core/math core/mesh rt/bus rt/config sim/draw sim/camera sim/object sim/robot sim/sensors",
+    "sim/scenes": "core/math core/mesh rt/loop/fixed_rate_loop.hpp rt/bus rt/config sim/draw sim/camera sim/object sim/robot sim/sensors",
     "tools/common": "core/math rt/config",
     "tools/log": "core/math core/mesh rt/bus",
-    "tools/recordings": "core/sensing rt/config rt/inference tools/common tools/log",
+    "tools/recordings": "core/sensing rt/bus rt/config rt/inference tools/common tools/log",
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
-    "tools/command": "rt/bus rt/config tools/common",
-    "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/common tools/log tools/record",
+    "tools/command": "rt/bus rt/client rt/config tools/common",
+    "tools/doctor": "rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log tools/record",
     "tools/drawing": "core/math rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
     "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/config rt/plugin",
@@ -55,25 +56,26 @@ ALLOWED = {
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
     "tools/import": "core/math rt/config tools/common tools/log tools/recordings",
-    "tools/mesh": "core/mesh core/elasticity rt/config sim/draw tools/common",
+    "tools/mesh": "core/mesh core/elasticity core/contact rt/config sim/draw tools/common",
     "tools/record": "rt/loop rt/bus rt/config tools/common",
-    "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/common "
+    "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/plugin rt/daemon rt/pipeline sim/scenes tools/common "
                        "tools/fit tools/recordings",
-    "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/log "
+    "tools/replay": "core/math rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log "
                     "tools/record",
     "tools/top": "rt/loop rt/config tools/common tools/record",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
-    "tools/view": "core/math core/elasticity core/sensing rt/bus rt/config rt/registry tools/command "
-                  "tools/drawing tools/log",
+    "tools/view": "core/math core/elasticity core/sensing rt/bus rt/client rt/config rt/registry "
+                  "tools/common tools/drawing tools/log",
     # Any may include core, rt, sim and tools; listed here are other folders of the laboratory.
     "tools/lab/inject": "",
     "tools/lab/baselines": "",
+    "tools/lab/unruly": "",
     "tools/lab/runs": "",
     "tools/lab/scores": "tools/lab/runs",
     "tools/lab/cases": "",
     "tools/lab/studies": "tools/lab/baselines tools/lab/runs tools/lab/scores",
     "tools/lab/sensor_models": "tools/lab/runs tools/lab/scores tools/lab/studies",
-    "tools/lab/faults": "tools/lab/runs",
+    "tools/lab/faults": "tools/lab/runs tools/lab/unruly",
     "tools/lab/endurance": "tools/lab/runs tools/lab/scores tools/lab/faults",
     "tools/lab/demo": "tools/lab/runs tools/lab/scores tools/lab/sensor_models",
     "tools/lab/fit_check": "",

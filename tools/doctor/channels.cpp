@@ -2,10 +2,8 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
-#include <palpate/channels.hpp>
-#include <palpate/component_command_t.hpp>
 
-#include "rt/bus/text.hpp"
+#include "rt/client/client.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "tools/doctor/checks.hpp"
 #include "tools/log/type_table.hpp"
@@ -62,12 +60,8 @@ struct Line {
 };
 
 void start_it(Line& control) {
-  component_command_t start{};
-  start.session = 2;
-  bus::put_text(start.event, "start");
   const auto operator_bus = bus::make_memory_bus(control.hub);
-  bus::TypedPublisher<component_command_t>(*operator_bus, channel::kComponentCommand)
-      .publish(start);
+  client::Client(*operator_bus, *operator_bus, {}, 2).send({"start"}, 0);
 }
 
 }  // namespace

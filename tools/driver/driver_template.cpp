@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "joint_guard.hpp"
+#include "rt/bus/stamped_publisher.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/registry/arm_model.hpp"
@@ -43,8 +44,8 @@ class Telemetry {
  public:
   Telemetry(bus::MessageBus& control, const SerialChain& chain)
       : chain_(chain),
-        states_(control, channel::kRobotState),
-        wrenches_(control, channel::kFtWrench) {
+        states_(control, channel::kRobotState, session_),
+        wrenches_(control, channel::kFtWrench, session_) {
     state_.joint_count = chain.joint_count();
   }
 
@@ -54,8 +55,7 @@ class Telemetry {
       palpate::ft_wrench_t reading{};
       Eigen::Map<palpate::math::Vector6d>(reading.wrench) << arm.wrench_S.force,
           arm.wrench_S.torque;
-      wrench_stamp_.put(reading, utime);
-      wrenches_.publish(reading);
+      wrenches_.publish(reading, utime);
     }
     if (++tick_ % 2 != 0) return;
     const int n = chain_.joint_count();
@@ -66,18 +66,16 @@ class Telemetry {
     Eigen::Map<Eigen::Vector3d>(state_.position) = pose_.X_WE.translation();
     palpate::math::wxyz_from_rotation(pose_.X_WE.linear(), state_.quaternion);
     Eigen::Map<palpate::math::Vector6d>(state_.twist) = pose_.J_W_E * arm.dq;
-    state_stamp_.put(state_, utime);
-    states_.publish(state_);
+    states_.publish(state_, utime);
   }
 
  private:
   SerialChain chain_;
   SerialChain::State pose_;
   palpate::robot_state_t state_{};
-  bus::TypedPublisher<palpate::robot_state_t> states_;
-  bus::TypedPublisher<palpate::ft_wrench_t> wrenches_;
   const std::int64_t session_ = bus::random_session();
-  bus::HeaderStamper state_stamp_{session_}, wrench_stamp_{session_};
+  bus::StampedPublisher<palpate::robot_state_t> states_;
+  bus::StampedPublisher<palpate::ft_wrench_t> wrenches_;
   int tick_ = 0;
 };
 

@@ -49,29 +49,33 @@ Eigen::Matrix3Xd corners_of(const Eigen::Matrix3Xd& nodes, const Eigen::MatrixXi
   return corners;
 }
 
-/// Nodes at the centres of faces and of 27-node hexahedra.
-std::vector<char> inner_nodes(const log::MeshMessage& mesh) {
-  std::vector<char> inner(static_cast<std::size_t>(mesh.nodes.cols()), 0);
-  if (mesh.elements.rows() != 27) return inner;
-  for (Eigen::Index e = 0; e < mesh.elements.cols(); ++e) {
-    Eigen::Matrix3Xd nodes(3, 27);
-    for (int i = 0; i < 27; ++i) nodes.col(i) = mesh.nodes.col(mesh.elements(i, e));
-    const Eigen::Matrix3Xi places = grid_places(nodes);
-    for (int i = 0; i < 27; ++i)
-      if ((places.col(i).array() == 1).count() > 1)
-        inner[static_cast<std::size_t>(mesh.elements(i, e))] = 1;
-  }
-  return inner;
-}
-
-}  // namespace
-
+/// First Piola-Kirchhoff stress of the co-rotational law, Pa: R (2 mu E + lambda tr(E) 1).
 Eigen::Matrix3d corotational_first_stress(const Eigen::Matrix3d& F, const Stiffness& stiffness) {
   const Lame lame(stiffness);
   const Eigen::Matrix3d R = math::polar_rotation(F);
   const Eigen::Matrix3d strain = R.transpose() * F - Eigen::Matrix3d::Identity();
   return R * (2 * lame.mu * strain + lame.lambda * strain.trace() * Eigen::Matrix3d::Identity());
 }
+
+/// Nodes at the centres of hexahedra and of their faces, and of the edges of quadratic tetrahedra.
+std::vector<char> middle_nodes(const log::MeshMessage& mesh) {
+  std::vector<char> middle(static_cast<std::size_t>(mesh.nodes.cols()), 0);
+  const auto set = [&](Eigen::Index e, int i) {
+    middle[static_cast<std::size_t>(mesh.elements(i, e))] = 1;
+  };
+  for (Eigen::Index e = 0; e < mesh.elements.cols(); ++e) {
+    if (mesh.elements.rows() == kQuadraticNodes)
+      for (int i = kTetrahedronNodes; i < kQuadraticNodes; ++i) set(e, i);
+    if (mesh.elements.rows() != kHexahedronNodes) continue;
+    const Eigen::Matrix3Xi places =
+        grid_places(corners_of(mesh.nodes, mesh.elements, static_cast<int>(e)));
+    for (int i = 0; i < kHexahedronNodes; ++i)
+      if ((places.col(i).array() == 1).count() > 1) set(e, i);
+  }
+  return middle;
+}
+
+}  // namespace
 
 Eigen::Matrix3d cauchy_stress(Law law, const Eigen::Matrix3d& F, const Stiffness& stiffness) {
   const double J = std::max(F.determinant(), kSmallestVolumeShare);
@@ -168,7 +172,8 @@ Eigen::Matrix3d ElementGradients::at(int element, int point, const Eigen::Matrix
 
 Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which) {
   const double crease = std::cos(40 * M_PI / 180);
-  const std::vector<char> inner = inner_nodes(mesh);
+  const std::vector<char> middle = middle_nodes(mesh);
+  const bool is_hexahedral = mesh.elements.rows() == kHexahedronNodes;
   std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> normals;
   for (const auto& triangle : mesh.triangles.colwise()) {
     const Eigen::Vector3d a = mesh.nodes.col(triangle[0]), b = mesh.nodes.col(triangle[1]),
@@ -179,14 +184,15 @@ Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which) {
   }
   std::vector<std::pair<int, int>> chosen;
   for (const auto& [edge, sides] : normals) {
-    if (inner[static_cast<std::size_t>(edge.first)] || inner[static_cast<std::size_t>(edge.second)])
-      continue;
+    const int middles = middle[static_cast<std::size_t>(edge.first)] +
+                        middle[static_cast<std::size_t>(edge.second)];
+    if (middles > (is_hexahedral ? 0 : 1)) continue;
     const bool is_sharp = sides.size() != 2 || sides[0].dot(sides[1]) < crease;
     // Diagonals of a face between the midpoints of its edges are not parallel to any axis of its
     // box.
     const Eigen::Vector3d along =
         (mesh.nodes.col(edge.first) - mesh.nodes.col(edge.second)).cwiseAbs();
-    const bool is_diagonal = mesh.elements.rows() == 27 && along.maxCoeff() < 0.999 * along.norm();
+    const bool is_diagonal = is_hexahedral && along.maxCoeff() < 0.999 * along.norm();
     if (which == Edges::kSharp ? is_sharp : !is_diagonal) chosen.push_back(edge);
   }
   Eigen::Matrix2Xi columns(2, static_cast<Eigen::Index>(chosen.size()));

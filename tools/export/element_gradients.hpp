@@ -23,9 +23,6 @@ struct Stiffness {
 inline constexpr double kSmallestVolumeShare = 0.01;
 Eigen::Matrix3d cauchy_stress(Law law, const Eigen::Matrix3d& F, const Stiffness& stiffness);
 
-/// First Piola-Kirchhoff stress of the co-rotational law, Pa: R (2 mu E + lambda tr(E) 1).
-Eigen::Matrix3d corotational_first_stress(const Eigen::Matrix3d& F, const Stiffness& stiffness);
-
 /// Deformation of the elements of a mesh: tetrahedra by their corners, straight-sided ones of ten
 /// nodes at four points, or 27-node hexahedra whose rest shape is a box, at 2 x 2 x 2 Gauss points.
 class ElementGradients {
@@ -63,9 +60,9 @@ class ElementGradients {
 /// Position of each node of a box-shaped 27-node hexahedron on its grid: 0, 1 or 2 along each axis.
 Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes);
 
-/// Edges of the elements on the surface of a mesh, as columns of two nodes; for hexahedra without
-/// the lines through their faces. kSharp: edges at which the rest surface turns by more than 40
-/// deg.
+/// Edges of the elements on the surface of a mesh, as columns of two nodes; without the
+/// lines through the faces of quadratic elements. kSharp: edges at which the rest surface turns by
+/// more than 40 deg.
 enum class Edges { kAll, kSharp };
 Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which);
 

@@ -6,7 +6,7 @@
 #include <palpate/channels.hpp>
 #include <stdexcept>
 
-#include "rt/bus/checked_decode.hpp"
+#include "tools/log/former_types.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kSilence = 1;               // s
 
 template <class T>
 bool decoded(const Message& message, T& into) {
-  return bus::checked_decode(into, message.event.data, message.event.size);
+  return log::decode(into, message.event.data, message.event.size);
 }
 
 template <class T>
@@ -26,34 +26,26 @@ void keep(const Message& message, std::optional<T>& into) {
   if (decoded(message, value)) into = value;
 }
 
-bool has(const Source& source, const std::string& channel, const std::string& type) {
+/// Entry of a channel with shapes, of the present or the former type; nullptr if there is none.
+const ChannelSurvey* shapes_of(const Source& source, const std::string& channel) {
   for (const ChannelSurvey& entry : source.found().channels)
-    if (entry.channel == channel && entry.type && entry.type->name == type &&
-        entry.messages > entry.broken)
-      return true;
-  return false;
+    if (entry.channel == channel && entry.type && entry.messages > entry.broken &&
+        (entry.type->name == "shape_t" || entry.type->name == "shape_v1_t"))
+      return &entry;
+  return nullptr;
 }
 
-/// Whether everything that a mesh refers to is available; logs may come from any source.
-bool is_sound(const log::MeshMessage& mesh) {
-  const auto count = static_cast<int>(mesh.nodes.cols());
-  const auto is_node = [count](int node) { return node >= 0 && node < count; };
-  return mesh.nodes.allFinite() && mesh.elements.cols() > 0 &&
-         std::all_of(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size(),
-                     is_node) &&
-         std::all_of(mesh.constrained.begin(), mesh.constrained.end(), is_node);
-}
-
-/// nullptr, with a warning, if the chunks do not form a mesh.
-std::unique_ptr<ShapeEvaluator> evaluator_of(const std::vector<shape_mesh_t>& chunks,
-                                             const std::string& channel, Law law) {
-  constexpr int kMostNodes = 10'000'000;
+/// nullptr, with a warning, if the mesh cannot be evaluated.
+std::unique_ptr<ShapeEvaluator> evaluator_of(const shape_mesh_t& mesh, const std::string& channel,
+                                             Law law) {
+  if (mesh.element_kind == shape_mesh_t::QUADRATIC_TETRAHEDRA && mesh.element_size == 4)
+    std::cerr << "warning: " << channel
+              << ": a former log, with the corner nodes of quadratic elements only: strain, stress "
+                 "and forces are those of linear elements"
+              << std::endl;
   try {
-    if (chunks.front().corner_count <= 0 || chunks.front().corner_count > kMostNodes)
-      throw std::runtime_error("mesh message without nodes");
-    const log::MeshMessage mesh = log::assemble(chunks);
-    if (!is_sound(mesh)) throw std::runtime_error("mesh message that names nodes that it has not");
-    return std::make_unique<ShapeEvaluator>(mesh, law);
+    if (mesh.elements.empty()) throw std::runtime_error("a mesh without elements");
+    return std::make_unique<ShapeEvaluator>(log::mesh_of(mesh), law);
   } catch (const std::exception& error) {
     std::cerr << "warning: " << channel << ": " << error.what() << ": left out" << std::endl;
     return nullptr;
@@ -64,16 +56,14 @@ std::unique_ptr<ShapeEvaluator> evaluator_of(const std::vector<shape_mesh_t>& ch
 
 ShapeFollower::ShapeFollower(Source& source, const FollowerOptions& options)
     : source_(&source), options_(options) {
-  has_estimate_ = has(source, channel::kShape, "shape_t");
-  has_truth_ = has(source, channel::kTruthShape, "shape_t");
+  has_estimate_ = shapes_of(source, channel::kShape) != nullptr;
+  has_truth_ = shapes_of(source, channel::kTruthShape) != nullptr;
   if (!has_estimate_ && !has_truth_)
     throw std::runtime_error(
         "the log holds no shape (neither SHAPE nor TRUTH_SHAPE): was the log of the housekeeping "
         "URL given?");
-  for (const ChannelSurvey& channel : source.found().channels)
-    if (channel.channel == channel::kShape && channel.type && channel.type->name == "shape_t")
-      has_deviation_ =
-          channel.widths[static_cast<std::size_t>(channel.type->field("deviation"))] > 0;
+  if (const ChannelSurvey* shapes = shapes_of(source, channel::kShape))
+    has_deviation_ = shapes->widths[static_cast<std::size_t>(shapes->type->field("deviation"))] > 0;
   read_meshes(source);
   if (has_truth_ && truths_.empty()) {
     std::cerr << "warning: TRUTH_SHAPE without a complete TRUTH_MESH: the truth is left out\n";
@@ -88,34 +78,28 @@ ShapeFollower::ShapeFollower(Source& source, const FollowerOptions& options)
 }
 
 void ShapeFollower::read_meshes(Source& source) {
-  using Chunks = std::map<std::int64_t, std::map<int, shape_mesh_t>>;
-  Chunks estimates, truths;
-  source.each_of("reading meshes", {channel::kShapeMesh, channel::kTruthMesh},
-                 [&](const Message& message) {
-                   shape_mesh_t chunk;
-                   if (!decoded(message, chunk)) return;
-                   const bool is_truth = message.event.channel == channel::kTruthMesh;
-                   const auto& known = is_truth ? truths_ : estimates_;
-                   if (known.count(chunk.mesh_hash) > 0) return;
-                   Chunks& chunks = is_truth ? truths : estimates;
-                   auto& parts = chunks[chunk.mesh_hash];
-                   const int count = chunk.chunks;
-                   parts[chunk.chunk] = std::move(chunk);
-                   if (static_cast<int>(parts.size()) < count) return;
-                   std::vector<shape_mesh_t> all;
-                   for (auto& [number, part] : parts) all.push_back(part);
-                   auto evaluator = evaluator_of(all, message.event.channel,
-                                                 is_truth ? Law::kNeoHookean : Law::kCorotational);
-                   auto& into = is_truth ? truths_ : estimates_;
-                   if (evaluator)
-                     into[all.front().mesh_hash] = std::move(evaluator);
-                   else
-                     parts.clear();
-                 });
+  bus::MeshAssembler estimates, truths;
+  source.each_of(
+      "reading meshes", {channel::kShapeMesh, channel::kTruthMesh}, [&](const Message& message) {
+        shape_mesh_t chunk;
+        if (!decoded(message, chunk)) return;
+        const bool is_truth = message.event.channel == channel::kTruthMesh;
+        bus::MeshAssembler& assembler = is_truth ? truths : estimates;
+        auto& into = is_truth ? truths_ : estimates_;
+        if (into.count(chunk.mesh_hash) > 0 || !assembler.add(chunk)) return;
+        auto evaluator = evaluator_of(*assembler.find(chunk.mesh_hash), message.event.channel,
+                                      is_truth ? Law::kNeoHookean : Law::kCorotational);
+        if (evaluator) into[chunk.mesh_hash] = std::move(evaluator);
+      });
+  for (const auto* assembler : {&estimates, &truths})
+    if (assembler->rejected() > 0)
+      std::cerr << "warning: " << (assembler == &truths ? channel::kTruthMesh : channel::kShapeMesh)
+                << ": " << assembler->rejected() << " inconsistent chunks: left out" << std::endl;
 }
 
 bool ShapeFollower::is_possible(const Source& source) {
-  return has(source, channel::kShape, "shape_t") || has(source, channel::kTruthShape, "shape_t");
+  return shapes_of(source, channel::kShape) != nullptr ||
+         shapes_of(source, channel::kTruthShape) != nullptr;
 }
 
 const std::vector<std::string>& ShapeFollower::channels() {
@@ -127,6 +111,7 @@ const std::vector<std::string>& ShapeFollower::channels() {
 
 void ShapeFollower::begin() {
   latest_ = {};
+  shape_chunks_ = truth_chunks_ = {};
   waiting_.clear();
   last_truth_.reset();
 }
@@ -145,13 +130,16 @@ void ShapeFollower::each(const std::string& title, const Take& take) {
 void ShapeFollower::follow(const Message& message, const Take& take) {
   const std::string& channel = message.event.channel;
   if (channel == channel::kShape || channel == channel::kTruthShape) {
-    shape_t shape;
-    if (!decoded(message, shape)) return;
-    if (channel == channel::kShape) {
-      add_shape(shape, message);
-      settle(message.utime, take);
+    const bool is_truth = channel == channel::kTruthShape;
+    shape_t chunk;
+    if (!decoded(message, chunk)) return;
+    const shape_t* shape = (is_truth ? truth_chunks_ : shape_chunks_).add(std::move(chunk));
+    if (shape == nullptr) return;
+    if (is_truth) {
+      add_truth(*shape, message, take);
     } else {
-      add_truth(shape, message, take);
+      add_shape(*shape, message);
+      settle(message.utime, take);
     }
   } else if (channel == channel::kContacts) {
     keep(message, latest_.contacts);

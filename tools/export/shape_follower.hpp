@@ -14,6 +14,7 @@
 #include <palpate/truth_contact_t.hpp>
 #include <string>
 
+#include "rt/bus/shape_chunks.hpp"
 #include "tools/export/shape_fields.hpp"
 #include "tools/export/source.hpp"
 
@@ -102,6 +103,7 @@ class ShapeFollower {
   bool has_estimate_ = false, has_truth_ = false, has_deviation_ = false;
   std::map<std::int64_t, std::unique_ptr<ShapeEvaluator>> estimates_, truths_;  // by hash
   std::map<std::pair<std::int64_t, std::int64_t>, std::unique_ptr<log::PlantPoints>> places_;
+  bus::ShapeAssembler shape_chunks_, truth_chunks_;
   Instant latest_;               // other known data
   std::deque<Instant> waiting_;  // pending, for the truth of their time
   std::optional<Truth> last_truth_;

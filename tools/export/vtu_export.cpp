@@ -80,7 +80,9 @@ Grid shape_grid(const ShapeEvaluator& evaluator, const Eigen::Matrix3Xd& positio
                 const ShapeFields& fields, const Eigen::MatrixXi& cells) {
   Grid grid;
   grid.points = positions;
-  grid.kind = cells.rows() == 27 ? CellKind::kHexahedron27 : CellKind::kTetrahedron;
+  grid.kind = cells.rows() == 27   ? CellKind::kHexahedron27
+              : cells.rows() == 10 ? CellKind::kQuadraticTetrahedron
+                                   : CellKind::kTetrahedron;
   grid.cells = cells;
   Eigen::MatrixXd fixed = Eigen::MatrixXd::Zero(1, positions.cols());
   for (const int node : evaluator.mesh().constrained) fixed(0, node) = 1;

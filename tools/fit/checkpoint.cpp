@@ -39,11 +39,10 @@ Eigen::VectorXd Checkpoint::start(const std::string& fit, const Problem& problem
   if (found == best_.end()) return x;
   for (std::size_t i = 0; i < problem.free().size(); ++i) {
     const int parameter = problem.free()[i];
-    const Parameter& p = problem.parameters()[static_cast<std::size_t>(parameter)];
+    const Parameter& p = problem.parameters()[parameter];
     const auto value = found->second.values.find(p.name);
     if (value != found->second.values.end())
-      x[static_cast<Eigen::Index>(i)] =
-          problem.to_coordinate(parameter, std::clamp(value->second, p.lower, p.upper));
+      x[i] = problem.to_coordinate(parameter, std::clamp(value->second, p.lower, p.upper));
   }
   return x;
 }
@@ -58,8 +57,7 @@ void Checkpoint::keep(const std::string& fit, const Problem& problem,
   if (is_better) {
     Best best{cost, {}, false};
     const Eigen::VectorXd values = problem.values(coordinates);
-    for (const int i : problem.free())
-      best.values[problem.parameters()[static_cast<std::size_t>(i)].name] = values[i];
+    for (const int i : problem.free()) best.values[problem.parameters()[i].name] = values[i];
     best_[fit] = std::move(best);
   }
   if (is_last || (is_better && seconds_now() - last_written_ > 1)) write();

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpate::fit {
@@ -24,11 +25,16 @@ struct Series {
   std::string unit;               // "N"
   std::string abscissa;           // "displacement", abscissa of the plot
   std::string abscissa_unit;      // "m"
-  Eigen::VectorXd x;              // abscissa by sample
-  Eigen::VectorXd measured;       // by sample
+  Eigen::VectorXd x = {};         // abscissa by sample
+  Eigen::VectorXd measured = {};  // by sample
   double deviation = 1;           // standard deviation of one sample: residuals are divided by it
-  std::vector<bool> is_held_out;  // by sample: predicted, not fitted; empty: none
+  std::vector<bool> is_held_out = {};  // by sample: predicted, not fitted; empty: none
 };
+
+/// Abscissa of a sample; its number where the series has none.
+inline double abscissa_of(const Series& series, Eigen::Index sample) {
+  return series.x.size() == series.measured.size() ? series.x[sample] : static_cast<double>(sample);
+}
 
 /// A quantity by which recording and prediction are compared in addition to the residuals: a
 /// period, or the error of a prediction that other models make as well.
@@ -47,9 +53,21 @@ class Experiment {
  public:
   virtual ~Experiment() = default;
 
-  virtual const std::string& name() const = 0;
-  virtual const std::vector<Series>& series() const = 0;
-  virtual const std::vector<Parameter>& parameters() const = 0;
+  const std::string& name() const { return name_; }
+  const std::vector<Series>& series() const { return series_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+  /// Their starts.
+  Eigen::VectorXd start() const {
+    Eigen::VectorXd values(parameters_.size());
+    for (std::size_t k = 0; k < parameters_.size(); ++k) values[k] = parameters_[k].start;
+    return values;
+  }
+  /// Samples of all series: the rows of a prediction.
+  Eigen::Index sample_count() const {
+    Eigen::Index count = 0;
+    for (const Series& series : series_) count += series.measured.size();
+    return count;
+  }
 
   /// Prediction of the concatenated series and, if `jacobian` is given, its derivatives by the
   /// parameters (rows as `prediction`, columns as parameters(); by the parameter itself, not by its
@@ -67,6 +85,13 @@ class Experiment {
   /// Smallest and largest strain of the fitted samples (compression negative), the range of
   /// validity of the result; both 0 if unknown.
   virtual std::array<double, 2> strain_range() const { return {0, 0}; }
+
+ protected:
+  explicit Experiment(std::string name = "") : name_(std::move(name)) {}
+
+  std::string name_;
+  std::vector<Series> series_;
+  std::vector<Parameter> parameters_;
 };
 
 }  // namespace palpate::fit

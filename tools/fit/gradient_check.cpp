@@ -104,7 +104,7 @@ std::vector<GradientCheck> check_gradients(const Problem& problem, const VectorX
       }
       const VectorXd off =
           distance(problem, member, coordinates, i, step, J.col(i), kGradientTolerance * least);
-      const auto parameter = static_cast<std::size_t>(problem.free()[static_cast<std::size_t>(i)]);
+      const auto parameter = static_cast<std::size_t>(problem.free()[i]);
       for (std::size_t s = 0; s < problem.series().size(); ++s) {
         if (problem.series()[s].member != member) continue;
         const Index row = problem.series()[s].row, n = problem.series_at(s).measured.size();

@@ -4,7 +4,6 @@
 
 #include "tools/fit/experiments/ball.hpp"
 #include "tools/fit/experiments/beam.hpp"
-#include "tools/fit/experiments/hertz.hpp"
 #include "tools/fit/experiments/skin.hpp"
 #include "tools/fit/experiments/uniaxial.hpp"
 #include "tools/fit/held/held_decay.hpp"

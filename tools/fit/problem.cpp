@@ -32,9 +32,7 @@ Problem::Problem(std::vector<Member> members, const std::map<std::string, Parame
     for (Parameter parameter : experiment.parameters()) {
       parameter.name = name_in_problem(members_[m], parameter.name);
       add_parameter(parameter);
-      const auto found = std::find_if(parameters_.begin(), parameters_.end(),
-                                      [&](const Parameter& p) { return p.name == parameter.name; });
-      places_.back().push_back(static_cast<int>(found - parameters_.begin()));
+      places_.back().push_back(static_cast<int>(find(parameter.name) - parameters_.begin()));
     }
     Eigen::Index row = 0;
     for (std::size_t s = 0; s < experiment.series().size(); ++s) {
@@ -53,11 +51,15 @@ Problem::Problem(std::vector<Member> members, const std::map<std::string, Parame
   if (fitted_count() == 0) throw std::invalid_argument("every sample is held out: nothing to fit");
 }
 
+std::vector<Parameter>::iterator Problem::find(const std::string& name) {
+  return std::find_if(parameters_.begin(), parameters_.end(),
+                      [&name](const Parameter& p) { return p.name == name; });
+}
+
 void Problem::add_parameter(const Parameter& parameter) {
   if (!std::isfinite(parameter.lower) || !std::isfinite(parameter.upper))
     throw std::invalid_argument(parameter.name + ": needs finite bounds");
-  const auto found = std::find_if(parameters_.begin(), parameters_.end(),
-                                  [&](const Parameter& p) { return p.name == parameter.name; });
+  const auto found = find(parameter.name);
   if (found == parameters_.end()) {
     parameters_.push_back(parameter);
     return;
@@ -75,9 +77,7 @@ void Problem::add_parameter(const Parameter& parameter) {
 
 void Problem::change(const std::map<std::string, ParameterChange>& changes) {
   for (const auto& [name, to] : changes) {
-    const auto found =
-        std::find_if(parameters_.begin(), parameters_.end(),
-                     [&, wanted = name](const Parameter& p) { return p.name == wanted; });
+    const auto found = find(name);
     if (found == parameters_.end()) {
       std::string all;
       for (const Parameter& p : parameters_) all += (all.empty() ? "" : ", ") + p.name;
@@ -97,13 +97,12 @@ void Problem::change(const std::map<std::string, ParameterChange>& changes) {
 
 const Series& Problem::series_at(std::size_t place) const {
   const SeriesPlace& at = series_[place];
-  return members_[static_cast<std::size_t>(at.member)]
-      .experiment->series()[static_cast<std::size_t>(at.series)];
+  return members_[at.member].experiment->series()[at.series];
 }
 
 bool Problem::is_fitted(std::size_t place, Eigen::Index sample) const {
   const std::vector<bool>& held = series_at(place).is_held_out;
-  return held.empty() || !held[static_cast<std::size_t>(sample)];
+  return held.empty() || !held[sample];
 }
 
 Eigen::Index Problem::fitted_count() const {
@@ -113,65 +112,43 @@ Eigen::Index Problem::fitted_count() const {
 }
 
 double Problem::to_coordinate(int parameter, double value) const {
-  const Parameter& p = parameters_[static_cast<std::size_t>(parameter)];
+  const Parameter& p = parameters_[parameter];
   return p.is_logarithmic ? std::log(value) : 2 * value / (p.upper - p.lower);
 }
 
 double Problem::to_value(int parameter, double coordinate) const {
-  const Parameter& p = parameters_[static_cast<std::size_t>(parameter)];
+  const Parameter& p = parameters_[parameter];
   const double value =
       p.is_logarithmic ? std::exp(coordinate) : coordinate * (p.upper - p.lower) / 2;
   return std::clamp(value, p.lower, p.upper);
 }
 
 double Problem::slope(int parameter, double value) const {
-  const Parameter& p = parameters_[static_cast<std::size_t>(parameter)];
+  const Parameter& p = parameters_[parameter];
   return p.is_logarithmic ? value : (p.upper - p.lower) / 2;
 }
 
-Eigen::VectorXd Problem::start() const {
+Eigen::VectorXd Problem::coordinates(double Parameter::*value) const {
   Eigen::VectorXd x(free_.size());
   for (std::size_t i = 0; i < free_.size(); ++i)
-    x[static_cast<Eigen::Index>(i)] =
-        to_coordinate(free_[i], parameters_[static_cast<std::size_t>(free_[i])].start);
-  return x;
-}
-
-Eigen::VectorXd Problem::lower() const {
-  Eigen::VectorXd x(free_.size());
-  for (std::size_t i = 0; i < free_.size(); ++i)
-    x[static_cast<Eigen::Index>(i)] =
-        to_coordinate(free_[i], parameters_[static_cast<std::size_t>(free_[i])].lower);
-  return x;
-}
-
-Eigen::VectorXd Problem::upper() const {
-  Eigen::VectorXd x(free_.size());
-  for (std::size_t i = 0; i < free_.size(); ++i)
-    x[static_cast<Eigen::Index>(i)] =
-        to_coordinate(free_[i], parameters_[static_cast<std::size_t>(free_[i])].upper);
+    x[i] = to_coordinate(free_[i], parameters_[free_[i]].*value);
   return x;
 }
 
 Eigen::VectorXd Problem::values(const Eigen::VectorXd& coordinates) const {
   Eigen::VectorXd all(parameters_.size());
-  for (std::size_t i = 0; i < parameters_.size(); ++i)
-    all[static_cast<Eigen::Index>(i)] = parameters_[i].start;
-  for (std::size_t i = 0; i < free_.size(); ++i)
-    all[free_[i]] = to_value(free_[i], coordinates[static_cast<Eigen::Index>(i)]);
+  for (std::size_t i = 0; i < parameters_.size(); ++i) all[i] = parameters_[i].start;
+  for (std::size_t i = 0; i < free_.size(); ++i) all[free_[i]] = to_value(free_[i], coordinates[i]);
   return all;
 }
 
 bool Problem::ask(int member, const Eigen::VectorXd& values, Eigen::VectorXd& prediction,
                   Eigen::MatrixXd* jacobian) const {
-  const std::vector<int>& places = places_[static_cast<std::size_t>(member)];
+  const std::vector<int>& places = places_[member];
   Eigen::VectorXd ours(places.size());
-  for (std::size_t k = 0; k < places.size(); ++k)
-    ours[static_cast<Eigen::Index>(k)] = values[places[k]];
+  for (std::size_t k = 0; k < places.size(); ++k) ours[k] = values[places[k]];
   ++(jacobian ? jacobians_ : predictions_);
-  return members_[static_cast<std::size_t>(member)].experiment->predict(ours, prediction,
-                                                                        jacobian) &&
-         prediction.allFinite();
+  return members_[member].experiment->predict(ours, prediction, jacobian) && prediction.allFinite();
 }
 
 bool Problem::differentiate(int member, const Eigen::VectorXd& coordinates,
@@ -203,7 +180,7 @@ bool Problem::predict(int member, const Eigen::VectorXd& coordinates, Eigen::Vec
   Eigen::MatrixXd ours;
   if (!ask(member, all, prediction, &ours) || !ours.allFinite()) return false;
   jacobian->setZero(prediction.size(), coordinates.size());
-  const std::vector<int>& places = places_[static_cast<std::size_t>(member)];
+  const std::vector<int>& places = places_[member];
   for (std::size_t k = 0; k < places.size(); ++k) {
     const auto found = std::find(free_.begin(), free_.end(), places[k]);
     if (found == free_.end()) continue;

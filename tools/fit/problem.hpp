@@ -58,9 +58,9 @@ class Problem {
   void set_deviations(std::vector<double> deviations) { deviations_ = std::move(deviations); }
 
   /// Coordinates of the free parameters, within limits.
-  Eigen::VectorXd start() const;
-  Eigen::VectorXd lower() const;
-  Eigen::VectorXd upper() const;
+  Eigen::VectorXd start() const { return coordinates(&Parameter::start); }
+  Eigen::VectorXd lower() const { return coordinates(&Parameter::lower); }
+  Eigen::VectorXd upper() const { return coordinates(&Parameter::upper); }
   double to_coordinate(int parameter, double value) const;
   double to_value(int parameter, double coordinate) const;
   /// dvalue/dcoordinate of a parameter.
@@ -88,6 +88,8 @@ class Problem {
   Count count() const { return {predictions_.load(), jacobians_.load()}; }
 
  private:
+  std::vector<Parameter>::iterator find(const std::string& name);
+  Eigen::VectorXd coordinates(double Parameter::*value) const;
   void add_parameter(const Parameter& parameter);
   void change(const std::map<std::string, ParameterChange>& changes);
   bool ask(int member, const Eigen::VectorXd& values, Eigen::VectorXd& prediction,

@@ -350,8 +350,7 @@ std::vector<bool> selected_samples(const Selection& selection, const config::Nod
         key, "knows no quantity '" + selection.quantity + "'; allowed: " + known + ", or a column");
   }
   std::vector<bool> selected(static_cast<std::size_t>(values.size()));
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    selected[static_cast<std::size_t>(i)] = selection.holds(values[i]);
+  for (Eigen::Index i = 0; i < values.size(); ++i) selected[i] = selection.holds(values[i]);
   return selected;
 }
 

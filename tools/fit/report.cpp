@@ -30,8 +30,7 @@ nlohmann::json uncertainty_json(const Uncertainty& u) {
     one["by"] = derivation(e);
   }
   json["determined"] = nlohmann::json::array();
-  for (const int i : u.determined)
-    json["determined"].push_back(u.estimates[static_cast<std::size_t>(i)].parameter.name);
+  for (const int i : u.determined) json["determined"].push_back(u.estimates[i].parameter.name);
   for (Eigen::Index i = 0; i < u.covariance.rows(); ++i) {
     json["covariance"].push_back(
         std::vector<double>(u.covariance.row(i).begin(), u.covariance.row(i).end()));
@@ -114,9 +113,7 @@ void print_correlations(const Uncertainty& u, std::ostream& out) {
     for (std::size_t j = 0; j < i; ++j) {
       const double r = u.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       if (std::abs(r) < kWorthReporting) continue;
-      const auto name = [&](std::size_t k) {
-        return u.estimates[static_cast<std::size_t>(u.determined[k])].parameter.name;
-      };
+      const auto name = [&](std::size_t k) { return u.estimates[u.determined[k]].parameter.name; };
       out << "Correlated by " << number(r, 3) << ": " << name(j) << ", " << name(i) << ".\n";
     }
 }
@@ -155,7 +152,7 @@ Eigen::VectorXd values_of(const Member& member, const std::map<std::string, doub
     auto found = values.find(prefix + wanted[k].name);  // shared elsewhere, own parameter here
     if (found == values.end()) found = values.find(wanted[k].name);
     if (found == values.end()) found = values.find(wanted[k].name.substr(prefix.size()));
-    result[static_cast<Eigen::Index>(k)] = found->second;
+    result[k] = found->second;
   }
   return result;
 }
@@ -294,7 +291,7 @@ void print_findings(const Job& job, const JobResult& result, std::ostream& out) 
   const Eigen::VectorXd all = problem.values(result.fit.solution.coordinates);
   std::map<std::string, double> values;
   for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
-    values[problem.parameters()[p].name] = all[static_cast<Eigen::Index>(p)];
+    values[problem.parameters()[p].name] = all[p];
   }
   common::Table table({job.title(), "quantity", "measured", "predicted", "difference", "goal", ""});
   bool is_empty = true;

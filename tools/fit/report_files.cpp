@@ -44,8 +44,7 @@ common::Plot value_plot(const JobResult& result, std::size_t s) {
   common::Curve measured{"measured", {}, {}}, fitted{"fitted", {}, {}},
       held{"predicted, held out", {}, {}};
   for (Index i = 0; i < series.measured.size(); ++i) {
-    const double x =
-        series.x.size() == series.measured.size() ? series.x[i] : static_cast<double>(i);
+    const double x = abscissa_of(series, i);
     measured.x.push_back(x);
     measured.y.push_back(series.measured[i]);
     common::Curve& to = result.problem->is_fitted(s, i) ? fitted : held;
@@ -154,8 +153,7 @@ void write_samples(const JobResult& result, std::ostream& out) {
     const Series& series = result.problem->series_at(s);
     const SeriesFit& fit = result.fit.series[s];
     for (Index i = 0; i < series.measured.size(); ++i) {
-      const double x =
-          series.x.size() == series.measured.size() ? series.x[i] : static_cast<double>(i);
+      const double x = abscissa_of(series, i);
       out << csv_cell(fit.recording) << ',' << csv_cell(series.quantity) << ',' << series.unit
           << ',' << csv_cell(series.abscissa) << ',' << series.abscissa_unit << ',' << exact(x)
           << ',' << exact(series.measured[i]) << ',' << exact(fit.predicted[i]) << ','
@@ -183,8 +181,8 @@ void write_files(const Plan& plan, const std::vector<JobResult>& results,
   const auto count = static_cast<int>(results.size());
   common::Progress progress(1, 1, "pictures and files");
   for (int k = 0; k < count; ++k) {
-    const Job& job = plan.jobs[static_cast<std::size_t>(k)];
-    const JobResult& result = results[static_cast<std::size_t>(k)];
+    const Job& job = plan.jobs[k];
+    const JobResult& result = results[k];
     progress.show(static_cast<double>(k) / count, job.title());
     if (!result.error.empty()) continue;
     const std::filesystem::path own = count == 1 ? folder : folder / folder_name(job.title());

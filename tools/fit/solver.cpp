@@ -37,7 +37,7 @@ class MemberCost final : public ceres::CostFunction {
       residuals[i] = r[i];
       if (!wants_jacobian) continue;
       for (Eigen::Index k = 0; k < columns; ++k)
-        jacobians[0][i * columns + k] = slope * J(i, moving_[static_cast<std::size_t>(k)]);
+        jacobians[0][i * columns + k] = slope * J(i, moving_[k]);
     }
     return true;
   }
@@ -100,7 +100,7 @@ Solution solve(const Problem& problem, const SolverOptions& options, const Eigen
   const Eigen::VectorXd lower = problem.lower(), upper = problem.upper();
   std::vector<Eigen::Index> moving;
   for (Eigen::Index i = 0; i < start.size(); ++i)
-    if (held.empty() || !held[static_cast<std::size_t>(i)]) moving.push_back(i);
+    if (held.empty() || !held[i]) moving.push_back(i);
   Solution solution;
   solution.coordinates = start.cwiseMax(lower).cwiseMin(upper);
   if (moving.empty()) {

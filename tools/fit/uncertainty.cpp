@@ -1,13 +1,14 @@
 #include "tools/fit/uncertainty.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
+
+#include "core/math/singular_values.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -28,7 +29,7 @@ double rise_at(const ProfileQuestion& q, double step) {
   options.tolerance = std::max(options.tolerance, 1e-6);
   options.iterations = std::min(options.iterations, 30);
   std::vector<bool> held(static_cast<std::size_t>(q.direction.size()), false);
-  held[static_cast<std::size_t>(q.coordinate)] = true;
+  held[q.coordinate] = true;
   try {
     return 2 * (solve(q.problem, options, moved(q, step), held).cost - q.solution.cost);
   } catch (const std::runtime_error&) {  // no equilibrium so far away
@@ -136,8 +137,7 @@ Spread find_spread(const Problem& problem, const Linearised& at,
   MatrixXd A = MatrixXd::Zero(n, n), B = A, white = A;
   for (std::size_t s = 0; s < at.jacobians.size(); ++s) {
     MatrixXd J(at.jacobians[s].rows(), n);
-    for (Index k = 0; k < n; ++k)
-      J.col(k) = at.jacobians[s].col(moving[static_cast<std::size_t>(k)]);
+    for (Index k = 0; k < n; ++k) J.col(k) = at.jacobians[s].col(moving[k]);
     const double sigma = noise[s].deviation / problem.deviations()[s];
     const double variance = noise[s].factor * sigma * sigma;
     const MatrixXd JJ = J.transpose() * J;
@@ -167,11 +167,9 @@ Spread find_spread(const Problem& problem, const Linearised& at,
     for (Index i = 0; i < n; ++i) {
       const double share = svd.matrixV()(i, k);
       if (std::abs(share) < kShare) continue;
-      const int parameter =
-          problem.free()[static_cast<std::size_t>(moving[static_cast<std::size_t>(i)])];
-      direction.shares.push_back(
-          {problem.parameters()[static_cast<std::size_t>(parameter)].name, share});
-      spread.is_open[static_cast<std::size_t>(i)] = true;
+      const int parameter = problem.free()[moving[i]];
+      direction.shares.push_back({problem.parameters()[parameter].name, share});
+      spread.is_open[i] = true;
     }
     open.push_back(std::move(direction));
   }
@@ -236,7 +234,7 @@ double student_quantile(double freedom) {
 
 std::string name_of(Standing standing) {
   constexpr const char* kNames[] = {"estimated", "known", "at bound", "undetermined"};
-  return kNames[static_cast<std::size_t>(standing)];
+  return kNames[static_cast<int>(standing)];
 }
 
 Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& options,
@@ -249,7 +247,7 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
   for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
     Estimate estimate;
     estimate.parameter = problem.parameters()[i];
-    estimate.value = values[static_cast<Index>(i)];
+    estimate.value = values[i];
     estimate.standing = Standing::kKnown;
     result.estimates.push_back(estimate);
   }
@@ -257,7 +255,7 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
   for (std::size_t i = 0; i < problem.free().size(); ++i) {
     const auto k = static_cast<Index>(i);
     const bool is_bound = is_at_bound(x[k], lower[k], upper[k]);
-    result.estimates[static_cast<std::size_t>(problem.free()[i])].standing =
+    result.estimates[problem.free()[i]].standing =
         is_bound ? Standing::kAtBound : Standing::kEstimated;
     if (!is_bound) moving.push_back(k);
   }
@@ -275,8 +273,7 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
   const double t = student_quantile(effective - static_cast<double>(moving.size()));
   std::vector<Index> determined_rows;
   for (std::size_t k = 0; k < moving.size(); ++k) {
-    const auto parameter =
-        static_cast<std::size_t>(problem.free()[static_cast<std::size_t>(moving[k])]);
+    const auto parameter = static_cast<std::size_t>(problem.free()[moving[k]]);
     Estimate& estimate = result.estimates[parameter];
     if (spread.is_open[k]) {
       estimate.standing = Standing::kUndetermined;
@@ -304,18 +301,17 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
     result.determined.push_back(static_cast<int>(parameter));
     determined_rows.push_back(row);
   }
-  const auto n = static_cast<Index>(determined_rows.size());
-  result.covariance.resize(n, n);
-  result.correlation.resize(n, n);
-  for (Index i = 0; i < n; ++i)
-    for (Index j = 0; j < n; ++j) {
-      const Index a = determined_rows[static_cast<std::size_t>(i)],
-                  b = determined_rows[static_cast<std::size_t>(j)];
-      const int pa = result.determined[static_cast<std::size_t>(i)],
-                pb = result.determined[static_cast<std::size_t>(j)];
-      const double c = spread.covariance(a, b);
-      result.covariance(i, j) = c * problem.slope(pa, values[pa]) * problem.slope(pb, values[pb]);
-      result.correlation(i, j) = c / std::sqrt(spread.covariance(a, a) * spread.covariance(b, b));
+  const MatrixXd of_coordinates = spread.covariance(determined_rows, determined_rows);
+  VectorXd slopes(result.determined.size());
+  for (Index i = 0; i < slopes.size(); ++i)
+    slopes[i] = problem.slope(result.determined[i], values[result.determined[i]]);
+  const VectorXd scale = of_coordinates.diagonal();
+  result.covariance.resizeLike(of_coordinates);
+  result.correlation = of_coordinates;
+  for (Index i = 0; i < slopes.size(); ++i)
+    for (Index j = 0; j < slopes.size(); ++j) {
+      result.covariance(i, j) = of_coordinates(i, j) * slopes[i] * slopes[j];
+      result.correlation(i, j) /= std::sqrt(scale[i] * scale[j]);
     }
   return result;
 }

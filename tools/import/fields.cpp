@@ -55,38 +55,48 @@ std::vector<Field> joined(const std::vector<std::vector<Field>>& groups) {
   return all;
 }
 
-/// The encoders index into these lists.
-const std::map<std::string, std::vector<Field>>& formats() {
-  static const std::map<std::string, std::vector<Field>> kFormats = {
+struct Format {
+  const char* messages;       // their type
+  std::vector<Field> fields;  // the encoders index into this list
+};
+
+const std::map<std::string, Format>& formats() {
+  static const std::map<std::string, Format> kFormats = {
       {"force_torque",
-       joined({vector_fields("f", Dimension::kForce, true,
-                             "force of the sensor on its load, in the sensor's frame"),
-               vector_fields("t", Dimension::kTorque, true,
-                             "torque of the sensor on its load, about the sensor's origin")})},
-      {"imu", joined({vector_fields("a", Dimension::kAcceleration, true,
-                                    "specific force in the unit's frame: at rest minus gravity"),
-                      vector_fields("w", Dimension::kAngularSpeed, false,
-                                    "angular velocity in the unit's frame")})},
+       {"`ft_wrench_t`, for example on `FT_WRENCH`",
+        joined({vector_fields("f", Dimension::kForce, true,
+                              "force of the sensor on its load, in the sensor's frame"),
+                vector_fields("t", Dimension::kTorque, true,
+                              "torque of the sensor on its load, about the sensor's origin")})}},
+      {"imu",
+       {"`imu_t`, for example on `IMU`",
+        joined({vector_fields("a", Dimension::kAcceleration, true,
+                              "specific force in the unit's frame: at rest minus gravity"),
+                vector_fields("w", Dimension::kAngularSpeed, false,
+                              "angular velocity in the unit's frame")})}},
       {"robot_state",
-       joined({vector_fields("p", Dimension::kLength, true,
-                             "position of the flange in the robot's base"),
-               {{"qw", Dimension::kNone, true, kQuaternionEffect}},
-               vector_fields("q", Dimension::kNone, true, kQuaternionEffect),
-               vector_fields("v", Dimension::kSpeed, false,
-                             "linear velocity of the flange's origin, in the base's axes"),
-               vector_fields("w", Dimension::kAngularSpeed, false,
-                             "angular velocity of the flange, in the base's axes"),
-               numbered("q", 1, 16, Dimension::kAngle,
-                        "joint positions; the last one that has a column sets the joint count"),
-               numbered("dq", 1, 16, Dimension::kAngularSpeed, "joint velocities"),
-               numbered("tau", 1, 16, Dimension::kTorque, "joint torques")})},
+       {"`robot_state_t`, for example on `ROBOT_STATE`",
+        joined({vector_fields("p", Dimension::kLength, true,
+                              "position of the flange in the robot's base"),
+                {{"qw", Dimension::kNone, true, kQuaternionEffect}},
+                vector_fields("q", Dimension::kNone, true, kQuaternionEffect),
+                vector_fields("v", Dimension::kSpeed, false,
+                              "linear velocity of the flange's origin, in the base's axes"),
+                vector_fields("w", Dimension::kAngularSpeed, false,
+                              "angular velocity of the flange, in the base's axes"),
+                numbered("q", 1, 16, Dimension::kAngle,
+                         "joint positions; the last one that has a column sets the joint count"),
+                numbered("dq", 1, 16, Dimension::kAngularSpeed, "joint velocities"),
+                numbered("tau", 1, 16, Dimension::kTorque, "joint torques")})}},
       {"biotac",
-       joined({numbered("e", 1, 19, Dimension::kNone, "electrodes, counts; all of them or none"),
-               numbered("pac", 0, 22, Dimension::kNone,
-                        "dynamic pressure, counts, oldest first; without gaps from `pac0` on"),
-               {{"pdc", Dimension::kNone, false, "static pressure, counts"},
-                {"tac", Dimension::kNone, false, "thermal flux, counts; valid with `tdc` only"},
-                {"tdc", Dimension::kNone, false, "temperature, counts; valid with `tac` only"}}})},
+       {"`biotac_t`, for example on `BIOTAC_0`",
+        joined(
+            {numbered("e", 1, 19, Dimension::kNone, "electrodes, counts; all of them or none"),
+             numbered("pac", 0, 22, Dimension::kNone,
+                      "dynamic pressure, counts, oldest first; without gaps from `pac0` on"),
+             {{"pdc", Dimension::kNone, false, "static pressure, counts"},
+              {"tac", Dimension::kNone, false, "thermal flux, counts; valid with `tdc` only"},
+              {"tdc", Dimension::kNone, false, "temperature, counts; valid with `tac` only"}}})}},
   };
   return kFormats;
 }
@@ -96,15 +106,6 @@ std::string listed(const Container& container, Name name) {
   std::string list;
   for (const auto& item : container) list += (list.empty() ? "" : ", ") + name(item);
   return list;
-}
-
-const char* channel_type(const std::string& format) {
-  static const std::map<std::string, const char*> kTypes = {
-      {"biotac", "`biotac_t`, for example on `BIOTAC_0`"},
-      {"force_torque", "`ft_wrench_t`, for example on `FT_WRENCH`"},
-      {"imu", "`imu_t`, for example on `IMU`"},
-      {"robot_state", "`robot_state_t`, for example on `ROBOT_STATE`"}};
-  return kTypes.at(format);
 }
 
 /// "`fx`, `fy`, `fz`", or, of more than four, "`q1` to `q16`".
@@ -119,7 +120,7 @@ std::string names_of(const std::vector<Field>& fields, std::size_t begin, std::s
 std::string table(const std::string& format) {
   const std::vector<Field>& fields = fields_of(format);
   std::string text =
-      "## " + format + "\n\nMessages of type " + channel_type(format) +
+      "## " + format + "\n\nMessages of type " + formats().at(format).messages +
       ".\n\n| field | unit (others) | required | effect |\n| --- | --- | --- | --- |\n";
   for (std::size_t begin = 0; begin < fields.size();) {
     const Field& first = fields[begin];
@@ -185,7 +186,7 @@ const std::vector<Field>& fields_of(const std::string& format) {
   if (found == formats().end())
     throw std::invalid_argument("unknown format '" + format + "'; allowed: " +
                                 listed(format_names(), [](const auto& name) { return name; }));
-  return found->second;
+  return found->second.fields;
 }
 
 FieldMapping::FieldMapping(const std::string& format,

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <palpate/biotac_t.hpp>
 #include <palpate/channels.hpp>
@@ -30,45 +30,26 @@ struct MessageHead {
   std::int64_t session = 0;
 };
 
-/// Turns the current row of a file into the bytes of one message.
-class Encoder {
- public:
-  virtual ~Encoder() = default;
-  /// Throws CsvError if a value does not fit the message.
-  virtual std::vector<std::uint8_t> encode(const recordings::CsvReader& csv,
-                                           const MessageHead& head) const = 0;
-  virtual const FieldMapping& mapping() const = 0;
-};
+/// Turns the current row of a file into the bytes of one message. Throws CsvError if a value does
+/// not fit it.
+using Encode = std::function<std::vector<std::uint8_t>(const recordings::CsvReader& csv,
+                                                       const MessageHead& head)>;
 
 /// fill(csv, mapping, message) writes the fields after the head.
 template <class Message, class Fill>
-class EncoderOf : public Encoder {
- public:
-  EncoderOf(FieldMapping mapping, Fill fill) : mapping_(std::move(mapping)), fill_(fill) {}
-
-  std::vector<std::uint8_t> encode(const recordings::CsvReader& csv,
-                                   const MessageHead& head) const override {
+Encode encoder_of(FieldMapping mapping, Fill fill) {
+  return [mapping = std::move(mapping), fill](const recordings::CsvReader& csv,
+                                              const MessageHead& head) {
     Message message{};
     message.utime = head.utime;
     message.seq = head.seq;
     message.session = head.session;
-    fill_(csv, mapping_, message);
+    fill(csv, mapping, message);
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
     if (message.encode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0)
       csv.fail("the message could not be encoded");
     return bytes;
-  }
-
-  const FieldMapping& mapping() const override { return mapping_; }
-
- private:
-  FieldMapping mapping_;
-  Fill fill_;
-};
-
-template <class Message, class Fill>
-std::unique_ptr<Encoder> encoder_of(FieldMapping mapping, Fill fill) {
-  return std::make_unique<EncoderOf<Message, Fill>>(std::move(mapping), fill);
+  };
 }
 
 std::int16_t counts(const recordings::CsvReader& csv, const FieldMapping& mapping, int field) {
@@ -119,9 +100,8 @@ void fill_biotac(const recordings::CsvReader& csv, const FieldMapping& mapping, 
 
 /// Throws as FieldMapping, and std::invalid_argument if a biotac has only some of its electrodes,
 /// or no fields at all.
-std::unique_ptr<Encoder> make_encoder(const std::string& format,
-                                      const std::map<std::string, std::string>& described,
-                                      const recordings::CsvReader& csv) {
+Encode make_encoder(const std::string& format, const std::map<std::string, std::string>& described,
+                    const recordings::CsvReader& csv) {
   FieldMapping mapping(format, described, csv);
   if (format == "force_torque") {
     return encoder_of<ft_wrench_t>(
@@ -222,7 +202,7 @@ ImportSummary import_csv(const ImportOptions& options) {
   for (const auto& [column, text] : options.where) where.emplace_back(csv.column(column), text);
 
   ImportSummary summary;
-  std::vector<std::unique_ptr<Encoder>> encoders;
+  std::vector<Encode> encoders;
   for (const Stream& stream : options.streams) {
     check_channel(stream.channel);
     if (!summary.messages.emplace(stream.channel, 0).second)
@@ -251,7 +231,7 @@ ImportSummary import_csv(const ImportOptions& options) {
     for (std::size_t i = 0; i < encoders.size(); ++i) {
       std::int64_t& count = summary.messages[options.streams[i].channel];
       const MessageHead head{utime, static_cast<std::int32_t>(count), options.session};
-      std::vector<std::uint8_t> bytes = encoders[i]->encode(csv, head);
+      std::vector<std::uint8_t> bytes = encoders[i](csv, head);
       log.write(utime, options.streams[i].channel, bytes);
       ++count;
     }

@@ -77,7 +77,9 @@ def describe(kind, units, used):
     places = {member["name"]: i for i, member in enumerate(kind["members"])}
     for member in kind["members"]:
         where = f"{kind['name']}.{member['name']}"
-        key = next((k for k in ((kind["name"], member["name"]), ("*", member["name"])) if k in units), None)
+        # a former version NAME_v1_t has the units of NAME_t
+        names = (kind["name"], re.sub(r"_v\d+_t$", "_t", kind["name"]), "*")
+        key = next((k for k in ((name, member["name"]) for name in names) if k in units), None)
         if key is None and member["type"] not in INTEGERS:
             raise Wrong(f"{where} has no line in units.txt")
         used.add(key)

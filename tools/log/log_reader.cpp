@@ -2,9 +2,23 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <palpate/channels.hpp>
 
 namespace palpate::log {
+
+void LogReader::collect(const std::string& channel, std::vector<shape_t>& into) {
+  const auto assembler = std::make_shared<bus::ShapeAssembler>();
+  handlers_[channel] = [&into, assembler, clock = clock_](const bus::LoggedEvent& event) {
+    shape_t chunk;
+    if (!decode(chunk, event.data, event.size)) return false;
+    shape_t* shape = assembler->add(std::move(chunk));
+    if (shape == nullptr) return true;
+    into.push_back(std::move(*shape));
+    if (clock == LogClock::kReceived) into.back().utime = event.utime;
+    return true;
+  };
+}
 
 void LogReader::read(const std::filesystem::path& log) {
   bus::EventLogReader file(log.string());

@@ -21,8 +21,9 @@
 #include <string>
 #include <vector>
 
-#include "rt/bus/checked_decode.hpp"
 #include "rt/bus/event_log_reader.hpp"
+#include "rt/bus/shape_chunks.hpp"
+#include "tools/log/former_types.hpp"
 
 namespace palpate::log {
 
@@ -33,8 +34,8 @@ enum class LogClock {
 };
 
 /// Reads an LCM log once and passes each message to the handler of its channel. Messages of
-/// unexpected type or length are counted and skipped. utime is converted to the selected clock
-/// (us).
+/// unexpected type or length are counted and skipped, those of former types converted. utime is
+/// converted to the selected clock (us).
 class LogReader {
  public:
   explicit LogReader(LogClock clock = LogClock::kReceived) : clock_(clock) {}
@@ -43,12 +44,14 @@ class LogReader {
   void collect(const std::string& channel, std::vector<Message>& into) {
     handlers_[channel] = [&into, clock = clock_](const bus::LoggedEvent& event) {
       Message message;
-      if (!bus::checked_decode(message, event.data, event.size)) return false;
+      if (!decode(message, event.data, event.size)) return false;
       if (clock == LogClock::kReceived) message.utime = event.utime;
       into.push_back(std::move(message));
       return true;
     };
   }
+  /// Whole shapes, joined from their chunks.
+  void collect(const std::string& channel, std::vector<shape_t>& into);
 
   /// Reports damaged parts of the file on stderr, and continues after them. Throws
   /// std::runtime_error if the file cannot be read or is not a log.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <string>
 
 #include "core/mesh/point_locator.hpp"
+#include "rt/bus/shape_chunks.hpp"
 
 namespace palpate::log {
 namespace {
@@ -40,50 +40,33 @@ std::vector<RestBox> rest_boxes(const MeshMessage& mesh) {
   return boxes;
 }
 
-MeshMessage join(const std::map<int, const shape_mesh_t*>& chunks) {
-  const shape_mesh_t& first = *chunks.begin()->second;
-  MeshMessage mesh;
-  mesh.hash = first.mesh_hash;
-  mesh.element_kind = first.element_kind;
-  mesh.nodes = Eigen::Matrix3Xd::Zero(3, first.corner_count);
-  std::vector<int> elements, triangles;
-  for (const auto& [index, chunk] : chunks) {
-    const int count = chunk->rest_xyz_count / 3;
-    if (chunk->first_node < 0 || chunk->first_node + count > first.corner_count)
-      throw std::runtime_error("mesh message with nodes beyond their count");
-    mesh.nodes.middleCols(chunk->first_node, count) =
-        Eigen::Map<const Eigen::Matrix3Xf>(chunk->rest_xyz.data(), 3, count).cast<double>();
-    elements.insert(elements.end(), chunk->elements.begin(), chunk->elements.end());
-    triangles.insert(triangles.end(), chunk->triangles.begin(), chunk->triangles.end());
-    mesh.constrained.insert(mesh.constrained.end(), chunk->constrained.begin(),
-                            chunk->constrained.end());
-  }
-  const int size = first.element_size;
-  if (size <= 0 || elements.size() % size != 0 || triangles.size() % 3 != 0)
-    throw std::runtime_error("mesh message with broken elements");
-  for (const int node : elements)
-    if (node < 0 || node >= first.corner_count)
-      throw std::runtime_error("mesh message whose elements name a node that it has not");
-  mesh.elements = Eigen::Map<const Eigen::MatrixXi>(elements.data(), size, elements.size() / size);
-  mesh.triangles = Eigen::Map<const Eigen::Matrix3Xi>(triangles.data(), 3, triangles.size() / 3);
-  return mesh;
-}
-
 }  // namespace
 
 double MeshMessage::longest_side() const {
   return (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).maxCoeff();
 }
 
+MeshMessage mesh_of(const shape_mesh_t& whole) {
+  MeshMessage mesh;
+  mesh.hash = whole.mesh_hash;
+  mesh.element_kind = whole.element_kind;
+  mesh.nodes = Eigen::Matrix3Xf::Map(whole.rest_xyz.data(), 3, whole.node_count).cast<double>();
+  mesh.elements =
+      Eigen::MatrixXi::Map(whole.elements.data(), whole.element_size,
+                           static_cast<Eigen::Index>(whole.elements.size()) / whole.element_size);
+  mesh.triangles = Eigen::Matrix3Xi::Map(whole.triangles.data(), 3,
+                                         static_cast<Eigen::Index>(whole.triangles.size()) / 3);
+  mesh.constrained = whole.constrained;
+  return mesh;
+}
+
 MeshMessage assemble(const std::vector<shape_mesh_t>& chunks) {
-  std::map<std::int64_t, std::map<int, const shape_mesh_t*>> by_mesh;
-  for (const shape_mesh_t& chunk : chunks) {
-    auto& parts = by_mesh[chunk.mesh_hash];
-    parts[chunk.chunk] = &chunk;
-    if (static_cast<int>(parts.size()) == chunk.chunks) return join(parts);
-  }
+  bus::MeshAssembler assembler;
+  for (const shape_mesh_t& chunk : chunks)
+    if (assembler.add(chunk)) return mesh_of(*assembler.find(chunk.mesh_hash));
   throw std::runtime_error("the log holds no complete mesh (" + std::to_string(chunks.size()) +
-                           " chunks)");
+                           " chunks, " + std::to_string(assembler.rejected()) +
+                           " of them inconsistent)");
 }
 
 Eigen::Matrix3Xd transformed(const math::Pose& X_AB, const Eigen::Matrix3Xd& points) {

@@ -15,17 +15,20 @@ struct MeshMessage {
   std::int64_t hash = 0;
   int element_kind = 0;
   Eigen::Matrix3Xd nodes;      // 3 x n rest positions in O, m
-  Eigen::MatrixXi elements;    // nodes per element x m
+  Eigen::MatrixXi elements;    // nodes per element x m: 4 or 10 (VTK's order), or 27
   Eigen::Matrix3Xi triangles;  // surface, outward
   std::vector<int> constrained;
 
   double longest_side() const;  // of the bounding box at rest, m
 };
 
+/// From a whole mesh (bus::MeshAssembler).
+MeshMessage mesh_of(const shape_mesh_t& whole);
+
 /// From the chunks of the first complete mesh. Throws std::runtime_error if there is none.
 MeshMessage assemble(const std::vector<shape_mesh_t>& chunks);
 
-/// Positions of a shape message, 3 x n, m.
+/// Positions of a whole shape, 3 x n, m.
 Eigen::Matrix3Xd positions(const shape_t& shape);
 
 /// Points of B, 3 x n, in A.

@@ -1,4 +1,4 @@
-#include "tools/mesh/fault_picture.hpp"
+#include "tools/mesh/faults.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -171,20 +171,26 @@ void paste(const draw::Image& part, int column, int row, draw::Image& whole) {
   }
 }
 
+/// Cells whose corners all exist and are finite.
+std::vector<int> drawable(const Eigen::Ref<const Eigen::MatrixXi>& cells,
+                          const Eigen::Matrix3Xd& points) {
+  std::vector<int> kept;
+  for (int cell = 0; cell < cells.cols(); ++cell) {
+    const auto corners = cells.col(cell);
+    if (std::all_of(corners.begin(), corners.end(), [&points](int n) {
+          return n >= 0 && n < points.cols() && points.col(n).allFinite();
+        }))
+      kept.push_back(cell);
+  }
+  return kept;
+}
+
 }  // namespace
 
 mesh::TriangleSurface background(const mesh::MeshWithGroups& mesh) {
   mesh::TetrahedralMesh sound;
   sound.nodes = mesh.mesh.nodes;
-  std::vector<int> kept;
-  for (int t = 0; t < mesh.mesh.tetrahedron_count(); ++t) {
-    const auto c = mesh.mesh.tetrahedra.col(t);
-    if (std::all_of(c.begin(), c.end(), [&](int n) {
-          return n >= 0 && n < mesh.mesh.node_count() && mesh.mesh.nodes.col(n).allFinite();
-        }))
-      kept.push_back(t);
-  }
-  sound.tetrahedra = mesh.mesh.tetrahedra(Eigen::all, kept);
+  sound.tetrahedra = mesh.mesh.tetrahedra(Eigen::all, drawable(mesh.mesh.tetrahedra, sound.nodes));
   mesh::orient(sound);
   return boundary(sound);
 }
@@ -192,15 +198,7 @@ mesh::TriangleSurface background(const mesh::MeshWithGroups& mesh) {
 mesh::TriangleSurface background(const mesh::TriangleSurface& surface) {
   mesh::TriangleSurface sound;
   sound.points = surface.points;
-  std::vector<int> kept;
-  for (int t = 0; t < surface.triangle_count(); ++t) {
-    const auto c = surface.triangles.col(t);
-    if (std::all_of(c.begin(), c.end(), [&](int n) {
-          return n >= 0 && n < surface.point_count() && surface.points.col(n).allFinite();
-        }))
-      kept.push_back(t);
-  }
-  sound.triangles = surface.triangles(Eigen::all, kept);
+  sound.triangles = surface.triangles(Eigen::all, drawable(surface.triangles, surface.points));
   for (double& coordinate : sound.points.reshaped()) {
     if (!std::isfinite(coordinate)) coordinate = 0;  // of points that belong to no drawn triangle
   }

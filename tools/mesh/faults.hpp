@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -45,7 +46,15 @@ nlohmann::json to_json(const std::vector<Fault>& faults);
 /// Up to 20 indices in the file; items that are not in it (negative) are "new".
 std::string list_numbers(const std::vector<long>& numbers);
 
-/// Warns if a body is much larger or smaller than anything that a hand can hold.
-void add_size_fault(const Eigen::Matrix3Xd& points, std::vector<Fault>& faults);
+/// The pale background of the faults: for a mesh of tetrahedra the boundary of the drawable ones,
+/// for a surface the drawable triangles.
+mesh::TriangleSurface background(const mesh::MeshWithGroups& mesh);
+mesh::TriangleSurface background(const mesh::TriangleSurface& surface);
+
+/// Draws a body with its faults to a PNG: the whole on the left, each fault marked by a ball; on
+/// the right a close-up of the first of the first kind; one colour per kind, with a legend below.
+/// Throws std::runtime_error if no image can be rendered.
+void draw_faults(const mesh::TriangleSurface& body, const std::vector<Fault>& faults,
+                 const std::string& title, const std::filesystem::path& png);
 
 }  // namespace palpate::mesh_tool

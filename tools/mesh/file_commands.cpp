@@ -44,12 +44,6 @@ std::vector<mesh::RepairStep> orient_all(mesh::MeshWithGroups& read) {
   return {step};
 }
 
-template <typename Mesh>
-int give_up(const Mesh& mesh, const Outcome& outcome, const FileOptions& options) {
-  std::cerr << options.input << ": refused, nothing is written\n";
-  return refuse(mesh, outcome, options.report, options.output.file + ".faults.png");
-}
-
 int convert_file(const FileOptions& options) {
   if (is_surface_file(options.input)) {
     const mesh::TriangleSurface surface = read_surface(options.input, options.scale);
@@ -61,7 +55,7 @@ int convert_file(const FileOptions& options) {
     // Nonexistent items cannot be written; all other faults are kept.
     for (const Fault& fault : outcome.faults) {
       if (fault.kind == "out_of_range" || fault.kind == "not_finite" || fault.kind == "empty")
-        return give_up(surface, outcome, options);
+        return refuse(surface, outcome, options.output, options.report);
     }
     write_surface(surface, options.output.file);
     return std::min(report(surface, outcome, options.report), kGood);
@@ -70,7 +64,7 @@ int convert_file(const FileOptions& options) {
   Outcome outcome{options.input, orient_all(read), {}};
   outcome.faults = find_faults(read);
   if (has_errors(outcome.faults)) {
-    const int code = give_up(read, outcome, options);
+    const int code = refuse(read, outcome, options.output, options.report);
     std::cerr << "palpate-mesh repair corrects many of these\n";
     return code;
   }
@@ -84,11 +78,8 @@ int repair_surface(const FileOptions& options) {
   if (options.merge_tolerance > 0) repair.merge_tolerance = options.merge_tolerance;
   repair.largest_hole = options.largest_hole;
   repair.parts = options.largest_part ? mesh::Parts::kKeepLargest : mesh::Parts::kKeepAll;
-  Outcome outcome{options.input, mesh::repair(surface, repair), {}};
-  outcome.faults = find_faults(surface);
-  if (has_errors(outcome.faults)) return give_up(surface, outcome, options);
-  write_surface(surface, options.output.file);
-  return report(surface, outcome, options.report);
+  const Outcome outcome{options.input, mesh::repair(surface, repair), {}};
+  return finish(surface, outcome, options.output, options.report);
 }
 
 int repair_file(const FileOptions& options) {
@@ -97,23 +88,20 @@ int repair_file(const FileOptions& options) {
   mesh::RepairOptions repair;
   if (options.merge_tolerance > 0) repair.merge_tolerance = options.merge_tolerance;
   repair.parts = options.largest_part ? mesh::Parts::kKeepLargest : mesh::Parts::kKeepAll;
-  Outcome outcome{options.input, mesh::repair(read, repair), {}};
-  outcome.faults = find_faults(read);
-  if (has_errors(outcome.faults)) return give_up(read, outcome, options);
-  write_volume(read, options.output.file, options.output.format());
-  return report(read, outcome, options.report);
+  const Outcome outcome{options.input, mesh::repair(read, repair), {}};
+  return finish(read, outcome, options.output, options.report);
 }
 
 int optimise_file(const FileOptions& options) {
   mesh::MeshWithGroups read = read_volume(options.input, options.scale);
   Outcome outcome{options.input, orient_all(read), {}};
   outcome.faults = find_faults(read);
-  if (has_errors(outcome.faults)) return give_up(read, outcome, options);
+  if (has_errors(outcome.faults)) return refuse(read, outcome, options.output, options.report);
   const Quality before = measure_quality(read.mesh);
   mesh::NodeMotionOptions motion;
   motion.sweeps = options.sweeps;
   const int moved = mesh::move_nodes(read, motion);
-  std::ostream& out = options.report.json == "-" ? std::cerr : std::cout;
+  std::ostream& out = text_output(options.report);
   out << "nodes moved: " << moved << "; " << compare(before, measure_quality(read.mesh)) << '\n';
   outcome.faults = find_faults(read);
   write_volume(read, options.output.file, options.output.format());

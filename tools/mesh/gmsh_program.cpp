@@ -13,9 +13,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/contact/surface_search.hpp"
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/mesh_writer.hpp"
-#include "core/mesh/surface.hpp"
 #include "core/mesh/surface_files.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/output_files.hpp"
@@ -81,23 +82,6 @@ std::string messages(const fs::path& log) {
 
 using Eigen::Vector3d;
 
-/// The closest point of a triangle to p (Ericson 2005, 5.1.5).
-Vector3d nearest_on(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
-               d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  const double sum = va + vb + vc;
-  return a + vb / sum * ab + vc / sum * ac;
-}
-
 /// Triangles in a grid of cells, to look up those near a point.
 class Lookup {
  public:
@@ -118,12 +102,12 @@ class Lookup {
       const auto members = cells_.find(key);
       if (members == cells_.end()) return;
       for (const int t : members->second) {
-        const Vector3d q = nearest_on(surface_.points.col(surface_.triangles(0, t)),
-                                      surface_.points.col(surface_.triangles(1, t)),
-                                      surface_.points.col(surface_.triangles(2, t)), p);
-        if (!((q - p).norm() < best)) continue;
-        best = (q - p).norm();
-        nearest = q;
+        const auto corner = [&](int i) { return surface_.points.col(surface_.triangles(i, t)); };
+        const contact::SurfacePoint q =
+            contact::closest_point_on_triangle(p, corner(0), corner(1), corner(2));
+        if (!(q.distance < best)) continue;
+        best = q.distance;
+        nearest = q.position;
         found = true;
       }
     });
@@ -205,32 +189,23 @@ int follow_surface(const mesh::TriangleSurface& surface, mesh::MeshWithGroups& m
   // Below this it is rounding; above, another part of the surface, and too much for
   // keep_curved_volume.
   constexpr double kLeast = 1e-5, kMost = 0.15;  // relative to an edge's length
-  const mesh::Surface outside =
-      mesh::extract_surface(make_element_mesh(mesh.mesh, mesh::ElementOrder::kLinear));
+  const auto edges = mesh::triangles_by_edge(mesh::extract_surface(mesh.mesh).triangles);
   double longest = 0;
-  for (int t = 0; t < outside.triangles.cols(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      longest = std::max(longest, (mesh.mesh.nodes.col(outside.triangles(i, t)) -
-                                   mesh.mesh.nodes.col(outside.triangles((i + 1) % 3, t)))
-                                      .norm());
-    }
-  }
+  for (const auto& [edge, triangles] : edges)
+    longest = std::max(longest,
+                       (mesh.mesh.nodes.col(edge.first) - mesh.mesh.nodes.col(edge.second)).norm());
   if (!(longest > 0)) return 0;
   const Lookup lookup(surface, longest);
   int count = 0;
-  for (int t = 0; t < outside.triangles.cols(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      const int a = outside.triangles(i, t), b = outside.triangles((i + 1) % 3, t);
-      if (a > b) continue;  // the neighbour's turn
-      const Vector3d from = mesh.mesh.nodes.col(a), to = mesh.mesh.nodes.col(b);
-      const double length = (to - from).norm();
-      const Vector3d middle = 0.5 * (from + to);
-      Vector3d nearest;
-      if (!lookup.find(middle, kMost * length, nearest)) continue;
-      if ((nearest - middle).norm() < kLeast * length) continue;
-      mesh.middles[{a, b}] = nearest;
-      ++count;
-    }
+  for (const auto& [edge, triangles] : edges) {
+    const Vector3d from = mesh.mesh.nodes.col(edge.first), to = mesh.mesh.nodes.col(edge.second);
+    const double length = (to - from).norm();
+    const Vector3d middle = 0.5 * (from + to);
+    Vector3d nearest;
+    if (!lookup.find(middle, kMost * length, nearest)) continue;
+    if ((nearest - middle).norm() < kLeast * length) continue;
+    mesh.middles[edge] = nearest;
+    ++count;
   }
   return count;
 }

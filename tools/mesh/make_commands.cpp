@@ -55,25 +55,22 @@ void check_count(double nodes) {
 }
 
 int finish(const mesh::MeshWithGroups& made, const MakeOptions& options) {
-  const Outcome outcome{options.output.file, {}, find_faults(made)};
-  if (has_errors(outcome.faults))
-    return refuse(made, outcome, options.report, options.output.file + ".faults.png");
-  write_volume(made, options.output.file, options.output.format());
-  return report(made, outcome, options.report);
+  return finish(made, {options.output.file, {}, {}}, options.output, options.report);
 }
 
 int make_box(const MakeOptions& options) {
-  mesh::GridPlanes planes;
+  std::array<int, 3> cells{};
   double nodes = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const double size = options.size[axis];
     if (options.cells.empty()) check_count(nodes * size / options.meshing.edge);
-    const int cells =
+    cells[axis] =
         options.cells.empty() ? count_of(size, options.meshing.edge) : options.cells[axis];
-    nodes *= cells + 1;
+    nodes *= cells[axis] + 1;
     check_count(nodes);
-    for (int i = 0; i <= cells; ++i) planes[axis].push_back(size * i / cells);
   }
+  const mesh::GridPlanes planes = mesh::even_planes(
+      Eigen::Vector3d::Zero(), Eigen::Map<const Eigen::Vector3d>(options.size.data()), cells);
   mesh::MeshWithGroups made;
   made.mesh =
       mesh::make_grid(planes, options.cut == "five" ? mesh::CellCut::kFive : mesh::CellCut::kSix);
@@ -125,7 +122,7 @@ void refine(const mesh::TriangleSurface& surface, const MakeOptions& options,
             mesh::MeshWithGroups& filled) {
   const Quality before = measure_quality(filled.mesh);
   const int moved = mesh::move_nodes(filled);
-  std::ostream& out = options.report.json == "-" ? std::cerr : std::cout;
+  std::ostream& out = text_output(options.report);
   out << "nodes moved for quality: " << moved << "; "
       << compare(before, measure_quality(filled.mesh)) << '\n';
   if (options.meshing.triangles == SurfaceTriangles::kKeep) return;
@@ -193,9 +190,8 @@ int make_from_surface(const MakeOptions& options) {
     outcome.steps = mesh::repair(surface, repair);
     outcome.faults = find_faults(surface);
   }
-  if (has_errors(outcome.faults))
-    return refuse(surface, outcome, options.report, options.output.file + ".faults.png");
-  std::ostream& out = options.report.json == "-" ? std::cerr : std::cout;
+  if (has_errors(outcome.faults)) return refuse(surface, outcome, options.output, options.report);
+  std::ostream& out = text_output(options.report);
   out << options.input << ":\n" << text(outcome.steps) << text(outcome.faults);
   const double size = mesh::diagonal(surface.points);
   check_count(std::pow(size / options.meshing.edge, 3) / 10);

@@ -6,10 +6,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/mesh/mesh_formats.hpp"
-#include "core/mesh/surface.hpp"
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/surface_files.hpp"
-#include "tools/mesh/vtu.hpp"
+#include "rt/config/mesh_file.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
@@ -17,6 +16,11 @@ namespace {
 using std::filesystem::path;
 
 constexpr char kVolumes[] = ".msh, .node, .ele, .veg, .vtu";
+
+bool is_volume_file(const path& file) {
+  const std::string extension = file.extension().string();
+  return extension == ".msh" || extension == ".node" || extension == ".ele" || extension == ".veg";
+}
 
 std::ifstream open(const path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -27,23 +31,6 @@ std::ifstream open(const path& file) {
   return stream;
 }
 
-mesh::MeshWithGroups read_pair(const path& file) {
-  const path node = path(file).replace_extension(".node");
-  const path ele = path(file).replace_extension(".ele");
-  std::ifstream nodes = open(node), elements = open(ele);
-  mesh::MeshWithGroups result;
-  result.mesh =
-      mesh::read_tetgen(nodes, node.string(), elements, ele.string(), mesh::OnFault::kKeep);
-  // The first node determines whether indices start at 0 or 1.
-  std::ifstream again = open(node);
-  mesh::LineReader reader(again, node.string(), '#');
-  const long first = reader.next() && reader.next() ? reader.integer(0) : 0;
-  for (int n = 0; n < result.mesh.node_count(); ++n) result.node_numbers.push_back(first + n);
-  for (int t = 0; t < result.mesh.tetrahedron_count(); ++t)
-    result.tetrahedron_numbers.push_back(first + t);
-  return result;
-}
-
 }  // namespace
 
 bool is_surface_file(const path& file) {
@@ -51,26 +38,14 @@ bool is_surface_file(const path& file) {
 }
 
 mesh::MeshWithGroups read_volume(const path& file, double scale) {
-  const std::string extension = file.extension().string();
   mesh::MeshWithGroups result;
-  if (extension == ".node" || extension == ".ele") {
-    result = read_pair(file);
-  } else {
+  if (file.extension() == ".vtu") {
     std::ifstream stream = open(file);
-    if (extension == ".msh") {
-      result = mesh::read_gmsh(stream, file.string(), mesh::OnFault::kKeep);
-    } else if (extension == ".veg") {
-      const auto include = [&file](const std::string& name) {
-        std::ostringstream text;
-        text << open(file.parent_path() / name).rdbuf();
-        return text.str();
-      };
-      result = mesh::read_vega(stream, file.string(), include, mesh::OnFault::kKeep);
-    } else if (extension == ".vtu") {
-      result = read_vtu(stream, file.string(), mesh::OnFault::kKeep);
-    } else {
-      throw std::runtime_error(file.string() + ": unknown kind of mesh; allowed: " + kVolumes);
-    }
+    result = read_vtu(stream, file.string(), mesh::OnFault::kKeep);
+  } else if (is_volume_file(file)) {
+    result = config::read_mesh(file.string(), mesh::OnFault::kKeep);
+  } else {
+    throw std::runtime_error(file.string() + ": unknown kind of mesh; allowed: " + kVolumes);
   }
   if (scale != 1) {
     result.mesh.nodes *= scale;
@@ -91,15 +66,11 @@ mesh::TriangleSurface read_surface(const path& file, double scale) {
 }
 
 mesh::TriangleSurface boundary(const mesh::TetrahedralMesh& mesh) {
-  const mesh::Surface outside =
-      mesh::extract_surface(make_element_mesh(mesh, mesh::ElementOrder::kLinear));
+  const mesh::Surface outside = mesh::extract_surface(mesh);
   mesh::TriangleSurface surface;
-  std::vector<int> number(mesh.node_count(), -1);
-  surface.points.resize(3, static_cast<int>(outside.nodes.size()));
-  for (std::size_t i = 0; i < outside.nodes.size(); ++i) {
-    number[outside.nodes[i]] = static_cast<int>(i);
-    surface.points.col(static_cast<int>(i)) = mesh.nodes.col(outside.nodes[i]);
-  }
+  surface.points = mesh.nodes(Eigen::all, outside.nodes);
+  const std::vector<int> number =
+      mesh::new_numbers(mesh::used_nodes(outside.triangles, mesh.node_count()));
   surface.triangles = outside.triangles.unaryExpr([&](int n) { return number[n]; });
   return surface;
 }

@@ -15,7 +15,6 @@
 #include "tools/common/output_files.hpp"
 #include "tools/common/table.hpp"
 #include "tools/mesh/commands.hpp"
-#include "tools/mesh/fault_picture.hpp"
 #include "tools/mesh/faults.hpp"
 #include "tools/mesh/quality.hpp"
 
@@ -207,6 +206,10 @@ void add_scale_option(CLI::App& command, double& scale) {
       ->capture_default_str();
 }
 
+std::ostream& text_output(const ReportOptions& options) {
+  return options.json == "-" ? std::cerr : std::cout;
+}
+
 std::string text(const std::vector<mesh::RepairStep>& steps) {
   std::string result;
   for (const mesh::RepairStep& step : steps) {
@@ -217,8 +220,7 @@ std::string text(const std::vector<mesh::RepairStep>& steps) {
 }
 
 int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const ReportOptions& options) {
-  // With JSON, nothing else may be written to the standard output.
-  std::ostream& out = options.json == "-" ? std::cerr : std::cout;
+  std::ostream& out = text_output(options);
   const bool is_broken = has_errors(outcome.faults);
   out << heading(outcome) << text(outcome.steps) << text(outcome.faults);
   nlohmann::json json{{"file", outcome.file},
@@ -253,7 +255,7 @@ int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const Repor
 
 int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
            const ReportOptions& options) {
-  std::ostream& out = options.json == "-" ? std::cerr : std::cout;
+  std::ostream& out = text_output(options);
   out << heading(outcome) << text(outcome.steps) << text(outcome.faults) << surface.point_count()
       << " points, " << surface.triangle_count() << " triangles\n";
   nlohmann::json json{{"file", outcome.file},

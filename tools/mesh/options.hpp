@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -48,14 +49,36 @@ int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const Repor
 int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
            const ReportOptions& options);
 
-/// The same for a rejected mesh: always with an image, by default `picture`.
+/// The same for a rejected mesh, which is not written: always with an image, by default next to
+/// the output.
 template <typename Mesh>
-int refuse(const Mesh& mesh, const Outcome& outcome, ReportOptions options,
-           const std::string& picture) {
-  if (options.picture.empty()) options.picture = picture;
+int refuse(const Mesh& mesh, const Outcome& outcome, const OutputOptions& output,
+           ReportOptions options) {
+  std::cerr << outcome.file << ": refused, nothing is written\n";
+  if (options.picture.empty()) options.picture = output.file + ".faults.png";
   options.histograms.clear();
   return report(mesh, outcome, options);
 }
+
+inline void write(const mesh::MeshWithGroups& mesh, const OutputOptions& output) {
+  write_volume(mesh, output.file, output.format());
+}
+inline void write(const mesh::TriangleSurface& surface, const OutputOptions& output) {
+  write_surface(surface, output.file);
+}
+
+/// Finds the faults of the result; writes it and reports, or refuses it if there are errors.
+template <typename Mesh>
+int finish(const Mesh& mesh, Outcome outcome, const OutputOptions& output,
+           const ReportOptions& options) {
+  outcome.faults = find_faults(mesh);
+  if (has_errors(outcome.faults)) return refuse(mesh, outcome, output, options);
+  write(mesh, output);
+  return report(mesh, outcome, options);
+}
+
+/// Stream of the text: with JSON, nothing else may be written to the standard output.
+std::ostream& text_output(const ReportOptions& options);
 
 /// "repaired: nodes merged ...: 2 (4, 7)", one line each.
 std::string text(const std::vector<mesh::RepairStep>& steps);

@@ -9,8 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/mesh/connectivity.hpp"
 #include "core/mesh/report.hpp"
-#include "core/mesh/surface.hpp"
 #include "core/mesh/tetrahedron_quality.hpp"
 #include "tools/common/table.hpp"
 
@@ -63,13 +63,12 @@ Quality measure_quality(const mesh::TetrahedralMesh& mesh) {
   if (quality.elements == 0) return quality;
   const mesh::MeshReport report = mesh::check(mesh);
   quality.parts = report.parts;
-  quality.hinge_edges = report.non_manifold_edges;
-  quality.hinge_nodes = report.non_manifold_nodes;
+  quality.hinge_edges = static_cast<int>(report.non_manifold_edges.size());
+  quality.hinge_nodes = static_cast<int>(report.non_manifold_nodes.size());
   quality.volume = report.volume;
   quality.lower = mesh.nodes.rowwise().minCoeff();
   quality.upper = mesh.nodes.rowwise().maxCoeff();
-  const mesh::Surface surface =
-      mesh::extract_surface(make_element_mesh(mesh, mesh::ElementOrder::kLinear));
+  const mesh::Surface surface = mesh::extract_surface(mesh);
   quality.surface_nodes = static_cast<int>(surface.nodes.size());
   quality.surface_triangles = static_cast<int>(surface.triangles.cols());
   for (int t = 0; t < surface.triangles.cols(); ++t) {

@@ -1,4 +1,5 @@
-#include "tools/mesh/vtu.hpp"
+#include "core/mesh/connectivity.hpp"
+#include "tools/mesh/mesh_files.hpp"
 
 #include <zlib.h>
 
@@ -315,15 +316,10 @@ class VtuReader {
       for (int i = 0; i < cell.corner_count; ++i)
         if (cell.corners[i] >= 0) keep[cell.corners[i]] = true;
     }
-    std::vector<int> number(points_.cols(), -1);
-    for (int n = 0; n < points_.cols(); ++n) {
-      if (!keep[n]) continue;
-      number[n] = static_cast<int>(result_.node_numbers.size());
-      result_.node_numbers.push_back(n);
-    }
+    const std::vector<int> number = mesh::new_numbers(keep), kept = mesh::indices_of(keep);
+    result_.node_numbers.assign(kept.begin(), kept.end());
     const auto renumber = [&number](int n) { return n < 0 ? -1 : number[n]; };
-    result_.mesh.nodes = points_(
-        Eigen::all, std::vector<int>(result_.node_numbers.begin(), result_.node_numbers.end()));
+    result_.mesh.nodes = points_(Eigen::all, kept);
     result_.mesh.tetrahedra.resize(4, static_cast<int>(tetrahedra_.size()));
     for (int t = 0; t < result_.mesh.tetrahedron_count(); ++t)
       result_.mesh.tetrahedra.col(t) = tetrahedra_[t].unaryExpr(renumber);

@@ -1,6 +1,7 @@
 # Functions that define a folder of palpate as a target.
 #
-#   palpate_library(DEPENDS a b)          palpate::<folder> (or NAME n) from every .cpp of this folder
+#   palpate_library(DEPENDS a b)          palpate::<folder> (or NAME n) from every .cpp of this folder, without
+#                                         those of subfolders that are targets themselves
 #   palpate_program(NAME DEPENDS a b)     bin/NAME from every .cpp of this folder (or SOURCES)
 #   palpate_test(LABEL KIND TARGET t)     one test program per mirrored folder
 #
@@ -88,10 +89,13 @@ if(PALPATE_PCH)
   endforeach()
 endif()
 
-# Compiles several sources of a tool or test as one, so that shared headers are read and
-# instantiated once. Never for core, rt and sim, which are compiled one source at a time in every
-# build.
-option(PALPATE_UNITY "Compile tools and tests several sources at a time" OFF)
+# Compiles several sources of a target as one, so that shared headers are read and instantiated
+# once. Off in presets for development (dev, debug, the sanitizers) and in `bitwise`.
+option(PALPATE_UNITY "Compile several sources at a time" OFF)
+if(PALPATE_UNITY)
+  # A source's private types are then "included" by the file that joins it with others.
+  target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-Wno-subobject-linkage>)
+endif()
 
 # By the folder of its sources; `kind` is "" or "_TEST".
 function(palpate_compile target kind source)
@@ -104,7 +108,7 @@ function(palpate_compile target kind source)
   if(PALPATE_PCH)
     target_precompile_headers(${target} REUSE_FROM palpate_pch_${way}${kind})
   endif()
-  if(PALPATE_UNITY AND folder MATCHES "^(tools|tests)/" AND NOT folder MATCHES "^tests/(bench|stress|fault|process)")
+  if(PALPATE_UNITY AND NOT folder MATCHES "^tests/(bench|stress|fault|process)")
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
   endif()
 endfunction()
@@ -117,6 +121,11 @@ function(palpate_library)
   endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  file(GLOB_RECURSE targets RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*/CMakeLists.txt)
+  foreach(target ${targets})
+    get_filename_component(target ${target} DIRECTORY)
+    list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/${target}/")
+  endforeach()
   if(sources)
     add_library(palpate_${name} STATIC ${sources})
     target_link_libraries(palpate_${name} PUBLIC palpate_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE_DEPENDS})

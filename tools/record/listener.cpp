@@ -4,12 +4,13 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <stdexcept>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/bus/udpm_socket.hpp"
 #include "rt/config/command_line.hpp"
@@ -31,12 +32,6 @@ std::regex compiled(const std::string& pattern) {
 
 constexpr int kDatagramsAtOnce = 64;                 // of one URL before the others are served
 constexpr std::int64_t kLongestEnd = 2'000'000'000;  // ns
-
-std::int64_t wall_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 bool is_printable(std::string_view name) {
   return std::all_of(name.begin(), name.end(), [](char c) { return c > 32 && c < 127; });
@@ -96,10 +91,19 @@ void put_urls(const std::vector<std::string>& texts, std::vector<Source>& source
   }
 }
 
+void add_url_option(CLI::App& app, std::vector<std::string>& urls) {
+  app.add_option(
+         "--url", urls,
+         "LCM URL of control, housekeeping or pictures in place of the default, or of a further "
+         "label (repeatable; without a label: control)")
+      ->type_name("[LABEL=]URL")
+      ->allow_extra_args(false);
+}
+
 Listener::Listener(std::vector<Source> sources, Handler handler)
     : sources_(std::move(sources)),
       handler_(std::move(handler)),
-      wall_us_(wall_us()),
+      wall_us_(bus::wall_clock_us()),
       monotonic_ns_(loop::monotonic_ns()) {
   for (const Source& source : sources_) {
     groups_.push_back(std::make_unique<Group>());

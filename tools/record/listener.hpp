@@ -14,6 +14,10 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/udpm_url.hpp"
 
+namespace CLI {
+class App;
+}  // namespace CLI
+
 namespace palpate::record {
 
 /// Selection of channels: those whose whole name matches a regular expression, or all others.
@@ -42,6 +46,9 @@ std::vector<Source> default_sources();
 /// Replaces the default of each label in "LABEL=URL", or appends it. Throws std::invalid_argument
 /// for a label that is not [a-z0-9_]+ or an invalid URL.
 void put_urls(const std::vector<std::string>& texts, std::vector<Source>& sources);
+
+/// --url [LABEL=]URL, repeatable, for put_urls().
+void add_url_option(CLI::App& app, std::vector<std::string>& urls);
 
 /// A received message; valid within the handler.
 struct Heard {

@@ -144,12 +144,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("name", recorder.name,
                  "log to write; default: palpate-DATE-TIME. With several URLs the label of each is "
                  "put in front of the extension (.lcmlog where there is none)");
-  app.add_option(
-         "--url", options.urls,
-         "LCM URL of control, housekeeping or pictures in place of the default, or of a further "
-         "label (repeatable; without a label: control)")
-      ->type_name("[LABEL=]URL")
-      ->allow_extra_args(false);
+  record::add_url_option(app, options.urls);
   app.add_option("--only", options.only, "only the URLs of these labels")
       ->delimiter(',')
       ->allow_extra_args(false);

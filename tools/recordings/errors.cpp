@@ -10,7 +10,7 @@ namespace {
 double quantile(std::vector<double> values, double part) {
   const auto place = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+  return values[place];
 }
 
 }  // namespace

@@ -4,16 +4,14 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <map>
-#include <memory>
-#include <palpate/biotac_t.hpp>
-#include <palpate/ft_wrench_t.hpp>
-#include <palpate/imu_t.hpp>
 #include <regex>
 #include <stdexcept>
 
-#include "tools/log/log_reader.hpp"
+#include "rt/bus/event_log_reader.hpp"
+#include "tools/log/record.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::recordings {
@@ -21,170 +19,118 @@ namespace {
 
 constexpr double kGap = 1;  // s, gap between messages that starts a new recording
 
-/// A number or an array of a message.
-template <class Message>
-struct Field {
-  const char* name;
-  int count;
-  double (*get)(const Message&, int);
+/// The wanted numbers of all messages of one channel.
+struct Source {
+  const log::TypeInfo* type = nullptr;
+  std::vector<std::pair<int, int>> wanted;  // field and index of each column
+  std::vector<std::int64_t> times;          // us, by message
+  std::vector<double> numbers;              // message by message
+
+  std::size_t size() const { return times.size(); }
+  double value(std::size_t message, int column) const {
+    return numbers[message * wanted.size() + column];
+  }
 };
 
-template <class Message>
-const std::vector<Field<Message>>& fields();
+using Sources = std::map<std::string, Source>;
 
-template <>
-const std::vector<Field<biotac_t>>& fields() {
-  static const std::vector<Field<biotac_t>> list{
-      {"electrodes", 19, [](const biotac_t& m, int i) -> double { return m.electrodes[i]; }},
-      {"pac", 22, [](const biotac_t& m, int i) -> double { return m.pac[i]; }},
-      {"pdc", 1, [](const biotac_t& m, int) -> double { return m.pdc; }},
-      {"tac", 1, [](const biotac_t& m, int) -> double { return m.tac; }},
-      {"tdc", 1, [](const biotac_t& m, int) -> double { return m.tdc; }}};
-  return list;
-}
-
-template <>
-const std::vector<Field<ft_wrench_t>>& fields() {
-  static const std::vector<Field<ft_wrench_t>> list{
-      {"wrench", 6, [](const ft_wrench_t& m, int i) { return m.wrench[i]; }}};
-  return list;
-}
-
-template <>
-const std::vector<Field<imu_t>>& fields() {
-  static const std::vector<Field<imu_t>> list{
-      {"acceleration", 3, [](const imu_t& m, int i) { return m.acceleration[i]; }},
-      {"angular_velocity", 3, [](const imu_t& m, int i) { return m.angular_velocity[i]; }}};
-  return list;
-}
-
-template <>
-const std::vector<Field<robot_state_t>>& fields() {
-  static const std::vector<Field<robot_state_t>> list{
-      {"q", 16, [](const robot_state_t& m, int i) { return m.q[i]; }},
-      {"dq", 16, [](const robot_state_t& m, int i) { return m.dq[i]; }},
-      {"tau", 16, [](const robot_state_t& m, int i) { return m.tau[i]; }},
-      {"position", 3, [](const robot_state_t& m, int i) { return m.position[i]; }},
-      {"quaternion", 4, [](const robot_state_t& m, int i) { return m.quaternion[i]; }},
-      {"twist", 6, [](const robot_state_t& m, int i) { return m.twist[i]; }}};
-  return list;
-}
-
-/// All messages of one channel.
-class Source {
- public:
-  virtual ~Source() = default;
-  virtual void collect(log::LogReader& log, const std::string& channel) = 0;
-  virtual std::size_t size() const = 0;
-  virtual std::int64_t utime(std::size_t message) const = 0;
-  /// Index and length of a field; -1 if there is none of that name.
-  virtual int field(const std::string& name, int& count) const = 0;
-  virtual double value(std::size_t message, int field, int index) const = 0;
-};
-
-template <class Message>
-class SourceOf : public Source {
- public:
-  void collect(log::LogReader& log, const std::string& channel) override {
-    log.collect(channel, messages_);
+/// Null for a channel that holds no sensor's signal.
+const log::TypeInfo* type_of(const std::string& channel) {
+  static const std::vector<std::pair<std::regex, std::string>> kTypes = {
+      {std::regex("BIOTAC_[0-4](_1)?"), "biotac_t"},
+      {std::regex("FT_WRENCH(_1)?"), "ft_wrench_t"},
+      {std::regex("IMU(_1)?"), "imu_t"},
+      {std::regex("ROBOT_STATE(_1)?"), "robot_state_t"}};
+  for (const auto& [channels, name] : kTypes) {
+    if (!std::regex_match(channel, channels)) continue;
+    for (const log::TypeInfo& type : log::types())
+      if (type.name == name) return &type;
   }
-  std::size_t size() const override { return messages_.size(); }
-  std::int64_t utime(std::size_t message) const override { return messages_[message].utime; }
-  int field(const std::string& name, int& count) const override {
-    for (std::size_t i = 0; i < fields<Message>().size(); ++i) {
-      if (fields<Message>()[i].name != name) continue;
-      count = fields<Message>()[i].count;
-      return static_cast<int>(i);
-    }
-    return -1;
-  }
-  double value(std::size_t message, int field, int index) const override {
-    return fields<Message>()[field].get(messages_[message], index);
-  }
-
- private:
-  std::vector<Message> messages_;
-};
-
-std::unique_ptr<Source> source_of(const std::string& channel) {
-  static const std::regex biotac("BIOTAC_[0-4](_1)?"), wrench("FT_WRENCH(_1)?"), imu("IMU(_1)?"),
-      robot("ROBOT_STATE(_1)?");
-  if (std::regex_match(channel, biotac)) return std::make_unique<SourceOf<biotac_t>>();
-  if (std::regex_match(channel, wrench)) return std::make_unique<SourceOf<ft_wrench_t>>();
-  if (std::regex_match(channel, imu)) return std::make_unique<SourceOf<imu_t>>();
-  if (std::regex_match(channel, robot)) return std::make_unique<SourceOf<robot_state_t>>();
   return nullptr;
 }
 
-/// Source of a column.
+/// Where a column stands in the sources.
 struct Column {
   std::string name;
   std::string channel;
-  int field = 0;
-  int index = 0;
+  int place = 0;  // among the wanted numbers of the channel
 };
-
-using Sources = std::map<std::string, std::unique_ptr<Source>>;
 
 Column parse(const std::string& name, const std::string& where, Sources& sources) {
   static const std::regex form("([A-Z0-9_]+)\\.([a-z_]+)(?:\\[([0-9]{1,3})\\])?");
   std::smatch parts;
   if (!std::regex_match(name, parts, form))
     throw std::runtime_error(where + "of a log is named CHANNEL.field or CHANNEL.field[index]");
-  Column column{name, parts[1], 0, parts[3].matched ? std::stoi(parts[3]) : 0};
-  auto& source = sources[column.channel];
-  if (!source) source = source_of(column.channel);
-  if (!source)
-    throw std::runtime_error(where + "channel " + column.channel +
+  Source& source = sources[parts[1]];
+  source.type = type_of(parts[1]);
+  if (source.type == nullptr)
+    throw std::runtime_error(where + "channel " + parts[1].str() +
                              " is none of BIOTAC_0 to 4, FT_WRENCH, IMU, ROBOT_STATE");
-  int count = 0;
-  column.field = source->field(parts[2], count);
-  if (column.field < 0)
+  const int field = source.type->field(parts[2]);
+  if (field < 0)
     throw std::runtime_error(where + "its messages have no field '" + parts[2].str() + "'");
-  if (parts[3].matched != (count > 1))
-    throw std::runtime_error(where + (count > 1 ? "an index is missing" : "has no index"));
-  if (column.index >= count)
-    throw std::runtime_error(where + "the index must be below " + std::to_string(count));
-  return column;
+  const log::FieldInfo& info = source.type->fields[field];
+  const int index = parts[3].matched ? std::stoi(parts[3]) : 0;
+  if (parts[3].matched == info.is_scalar())
+    throw std::runtime_error(where + (info.is_scalar() ? "has no index" : "an index is missing"));
+  if (!info.is_scalar() && index >= info.sizes.front())
+    throw std::runtime_error(where + "the index must be below " +
+                             std::to_string(info.sizes.front()));
+  source.wanted.emplace_back(field, index);
+  return {name, parts[1], static_cast<int>(source.wanted.size()) - 1};
 }
 
+/// Reads what the sources want; returns how many messages of their channels cannot be decoded.
+int read_log(const std::string& path, bool is_sent, Sources& sources) {
+  std::map<const log::TypeInfo*, log::Record> records;
+  bus::EventLogReader file(path);
+  int undecodable = 0;
+  while (const bus::LoggedEvent* event = file.next()) {
+    const auto found = sources.find(event->channel);
+    if (found == sources.end()) continue;
+    Source& source = found->second;
+    log::Record& record = records.try_emplace(source.type, *source.type).first->second;
+    if (!record.decode(event->data, event->size)) {
+      ++undecodable;
+      continue;
+    }
+    source.times.push_back(is_sent ? record.utime() : event->utime);
+    for (const auto& [field, index] : source.wanted)
+      source.numbers.push_back(record.number(field, index));
+  }
+  if (!file.complaint().empty()) std::cerr << "warning: " << file.complaint() << std::endl;
+  return undecodable;
+}
+
+/// Rows of a recording, then of the next.
 class TableBuilder {
  public:
-  TableBuilder(std::string path, std::size_t columns)
-      : path_(std::move(path)), columns_(static_cast<Eigen::Index>(columns)) {}
+  TableBuilder(const std::string& path, std::size_t columns)
+      : file_(path.substr(path.find_last_of('/') + 1)), columns_(columns) {}
 
   void add(double time, const std::vector<double>& row) {
-    if (!times_.empty() && time - times_.back() > kGap) finish();
     times_.push_back(time);
     cells_.insert(cells_.end(), row.begin(), row.end());
   }
+  const std::vector<double>& times() const { return times_; }
+  const std::vector<Table>& tables() const { return tables_; }
 
-  std::vector<Table> take() {
-    finish();
-    return std::move(tables_);
-  }
-
- private:
-  void finish() {
-    const std::string name =
-        path_.substr(path_.find_last_of('/') + 1) + ":" + std::to_string(tables_.size());
-    if (times_.size() < 2)
-      throw std::runtime_error(path_ + ": recording " + std::to_string(tables_.size()) +
-                               " has fewer than two rows with all channels");
+  /// Ends a recording, whose name is that of the file and `label`.
+  void finish(const std::string& label) {
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const auto rows = static_cast<Eigen::Index>(times_.size());
-    Table table;
-    table.name = name;
+    Table& table = tables_.emplace_back();
+    table.name = file_ + label;
     table.time = Eigen::Map<Eigen::VectorXd>(times_.data(), rows);
     table.time.array() -= times_.front();
-    table.rows = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        cells_.data(), rows, columns_);
-    tables_.push_back(std::move(table));
+    table.rows = Eigen::Map<Rows>(cells_.data(), rows, static_cast<Eigen::Index>(columns_));
     times_.clear();
     cells_.clear();
   }
 
-  std::string path_;
-  Eigen::Index columns_;
+ private:
+  std::string file_;
+  std::size_t columns_;
   std::vector<double> times_, cells_;
   std::vector<Table> tables_;
 };
@@ -208,21 +154,26 @@ std::vector<Table> read_log_tables(const std::string& path, const std::string& t
   std::vector<Column> columns;
   for (const std::string& name : names)
     columns.push_back(parse(name, path + ": column '" + name + "': ", sources));
-  log::LogReader log(time == "sent" ? log::LogClock::kSent : log::LogClock::kReceived);
-  for (auto& [channel, source] : sources) source->collect(log, channel);
-  log.read(path);
+  const int undecodable = read_log(path, time == "sent", sources);
   for (const auto& [channel, source] : sources)
-    if (source->size() == 0)
+    if (source.size() == 0)
       throw std::runtime_error(path + ": no message of channel " + channel + " that can be read" +
-                               (log.undecodable() > 0 ? " (some are of another type)" : ""));
+                               (undecodable > 0 ? " (some are of another type)" : ""));
 
-  const Source& leader = *sources.at(columns.front().channel);
+  const Source& leader = sources.at(columns.front().channel);
   std::map<std::string, std::size_t> next;  // first message that is later than the row
   TableBuilder tables(path, columns.size());
+  const auto finish = [&] {
+    const std::string number = std::to_string(tables.tables().size());
+    if (tables.times().size() < 2)
+      throw std::runtime_error(path + ": recording " + number +
+                               " has fewer than two rows with all channels");
+    tables.finish(":" + number);
+  };
   std::vector<double> row(columns.size());
   std::int64_t before = 0;
   for (std::size_t k = 0; k < leader.size(); ++k) {
-    const std::int64_t now = leader.utime(k);
+    const std::int64_t now = leader.times[k];
     if (k > 0 && now < before)
       throw std::runtime_error(path + ": time of " + columns.front().channel + " runs backwards");
     if (k > 0 && now == before) continue;  // the same time twice: the first counts
@@ -230,7 +181,7 @@ std::vector<Table> read_log_tables(const std::string& path, const std::string& t
     bool complete = true;
     for (const auto& [channel, source] : sources) {
       std::size_t& later = next[channel];
-      while (later < source->size() && source->utime(later) <= now) ++later;
+      while (later < source.size() && source.times[later] <= now) ++later;
       complete = complete && later > 0;
     }
     if (!complete) continue;
@@ -238,14 +189,17 @@ std::vector<Table> read_log_tables(const std::string& path, const std::string& t
       const Column& column = columns[c];
       const std::size_t message =
           column.channel == columns.front().channel ? k : next[column.channel] - 1;
-      row[c] = sources.at(column.channel)->value(message, column.field, column.index);
+      row[c] = sources.at(column.channel).value(message, column.place);
       if (!std::isfinite(row[c]))
         throw std::runtime_error(path + ": column '" + column.name + "': message " +
                                  std::to_string(message) + " is not finite");
     }
-    tables.add(1e-6 * static_cast<double>(now), row);
+    const double seconds = 1e-6 * static_cast<double>(now);
+    if (!tables.times().empty() && seconds - tables.times().back() > kGap) finish();
+    tables.add(seconds, row);
   }
-  return tables.take();
+  finish();
+  return tables.tables();
 }
 
 std::vector<Table> read_tables(const std::string& path, const std::string& time,
@@ -263,38 +217,29 @@ std::vector<Table> read_tables(const std::string& path, const std::string& time,
   std::vector<int> indices;
   for (const std::string& name : columns) indices.push_back(csv.column(name));
 
-  std::vector<Table> tables;
+  TableBuilder tables(path, columns.size());
   std::string label;
-  std::vector<double> times;
-  std::vector<double> cells;
   const auto finish = [&] {
-    if (times.size() < 2) csv.fail("a recording of fewer than two rows ends here");
-    using Rows = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-    Table table;
-    table.name = path.substr(path.find_last_of('/') + 1) + (separator.empty() ? "" : ":" + label);
-    table.time = Eigen::Map<Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
-    table.time.array() -= times.front();
-    table.rows = Rows(cells.data(), static_cast<Eigen::Index>(times.size()),
-                      static_cast<Eigen::Index>(indices.size()));
-    tables.push_back(std::move(table));
-    times.clear();
-    cells.clear();
+    if (tables.times().size() < 2) csv.fail("a recording of fewer than two rows ends here");
+    tables.finish(separator.empty() ? "" : ":" + label);
   };
+  std::vector<double> row(indices.size());
   while (csv.next()) {
     if (separator_column >= 0 && csv.text(separator_column) != label) {
-      if (!times.empty()) finish();
+      if (!tables.times().empty()) finish();
       label = csv.text(separator_column);
     }
     const double t = csv.number(time_column);
-    if (!times.empty() && t <= times.back()) {
-      if (t < times.back()) csv.fail(time_column, "time runs backwards");
+    if (!tables.times().empty() && t <= tables.times().back()) {
+      if (t < tables.times().back()) csv.fail(time_column, "time runs backwards");
       continue;  // the same time twice: the first counts
     }
-    times.push_back(t);
-    for (const int index : indices) cells.push_back(csv.number(index));
+    std::transform(indices.begin(), indices.end(), row.begin(),
+                   [&csv](int index) { return csv.number(index); });
+    tables.add(t, row);
   }
   finish();
-  return tables;
+  return tables.tables();
 }
 
 Table resample(const Table& table, double rate, double average) {

@@ -59,9 +59,7 @@ Ridge fit_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
     const Eigen::MatrixXd left_y = y.middleRows(begin, size);
     const Moments rest = all.without(Moments(left_x, left_y));
     for (Eigen::Index k = 0; k < choices; ++k)
-      error.row(k) += (rest.solve(penalties[static_cast<std::size_t>(k)]).predict(left_x) - left_y)
-                          .colwise()
-                          .squaredNorm();
+      error.row(k) += (rest.solve(penalties[k]).predict(left_x) - left_y).colwise().squaredNorm();
   }
   Ridge ridge{Eigen::MatrixXd(y.cols(), x.cols()), Eigen::VectorXd(y.cols()),
               Eigen::VectorXd(y.cols())};

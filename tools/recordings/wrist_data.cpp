@@ -143,8 +143,8 @@ std::vector<Bias> fit_biases(const DataPlan& plan, const std::vector<WristRecord
     const Eigen::RowVectorXd slope = times[r].transpose() * (rests[r] - inputs[r] * map) /
                                      std::max(times[r].squaredNorm(), 1e-12);
     for (Eigen::Index i = 0; i < 6; ++i)
-      if (std::find(plan.wrist.drifting.begin(), plan.wrist.drifting.end(),
-                    outputs[static_cast<std::size_t>(i)]) != plan.wrist.drifting.end())
+      if (std::find(plan.wrist.drifting.begin(), plan.wrist.drifting.end(), outputs[i]) !=
+          plan.wrist.drifting.end())
         biases[r].slope[i] = slope[i];
   }
   return biases;

@@ -140,7 +140,11 @@ Declarations read(Reader reader, const Exploration& exploration) {
                                 ? config::Node::from_text(exploration.text)
                                 : config::Node::load_file(exploration.file, exploration.overrides);
   if (reader == Reader::kDaemon) {
-    read_daemon(root);
+    try {
+      read_daemon(root);
+    } catch (const config::Error&) {
+      if (exploration.only.empty()) throw;
+    }
   } else if (reader == Reader::kTrain) {
     recordings::read_plan(root);
   } else if (reader == Reader::kFit) {
@@ -154,7 +158,9 @@ Declarations read(Reader reader, const Exploration& exploration) {
   }
   Declarations own;
   for (const config::Declaration& declaration : list.all())
-    if (declaration.document == exploration.file) own.push_back(declaration);
+    if (declaration.document == exploration.file &&
+        declaration.path.rfind(exploration.only, 0) == 0)
+      own.push_back(declaration);
   return own;
 }
 
@@ -180,6 +186,7 @@ std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
       for (const std::string& set : item.texts("set"))
         exploration.overrides.push_back(
             replaced(replaced(set, "MODELS", models.string()), "ZEROS", zeros + "]"));
+    exploration.only = item.text("only", "");
     found.push_back(exploration);
   }
   return found;

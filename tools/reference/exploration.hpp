@@ -17,6 +17,9 @@ struct Exploration {
   std::vector<std::string> overrides;
   std::string text = "";  // YAML
   std::string kind = "";  // of a recording
+  /// The section to keep of a document that is refused after that has been read; empty: all of one
+  /// that is valid.
+  std::string only = "";
 };
 
 /// Reads it as palpated, palpate-sim, palpate-train or palpate-fit does before it starts; a

@@ -11,6 +11,7 @@
 #include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/fit/kinds.hpp"
+#include "tools/reference/components.hpp"
 #include "tools/reference/exploration.hpp"
 #include "tools/reference/markdown.hpp"
 #include "tools/reference/schema.hpp"
@@ -29,7 +30,8 @@ constexpr const char* kHead =
     "both. A pose is `{position: [x, y, z], quaternion: [w, x, y, z]}` or\n"
     "`{position: ..., rpy_deg: [r, p, y]}`; files are relative to the file that names them.\n"
     "Parentheses before a description contain the choices with which a key is read.\n"
-    "`palpate-reference your.yaml` prints the same for the components of one configuration.\n\n"
+    "`palpate-reference your.yaml` prints the same for the components of one configuration,\n"
+    "`palpate-reference --plugin FILE` the components and keys of a library of plug-ins.\n\n"
     "Editors complete and check these files by the JSON Schemas in `rt/config/schema` (installed "
     "in\n"
     "`share/palpate/rt/config/schema`; `palpate-reference --schema FOLDER` writes them). With\n"
@@ -157,7 +159,7 @@ int main(int argc, char** argv) {
       "default, range and meaning, as the code "
       "declares them.");
   std::string file;
-  std::string schemas;
+  std::string schemas, library;
   std::vector<std::string> overrides;
   Reader reader = Reader::kDaemon;
   app.add_option("configuration", file,
@@ -177,17 +179,23 @@ int main(int argc, char** argv) {
                  "checks")
       ->type_name("FOLDER")
       ->excludes("configuration");
+  app.add_option("--plugin", library,
+                 "prints the components of this library of plug-ins instead, and the keys of each")
+      ->type_name("FILE")
+      ->excludes("configuration");
   app.add_option("--set", overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md\n  "
-      "palpate-reference --schema rt/config/schema");
+      "palpate-reference --schema rt/config/schema\n  palpate-reference --plugin "
+      "palpate-baselines.so");
   if (const auto code = config::parse(
           app, argc, argv,
           {{{1, "an error, or a parameter without a meaning"}, {78, "wrong configuration"}}}))
     return *code;
   try {
+    if (!library.empty()) return write_components(std::cout, library) ? 0 : 1;
     if (!schemas.empty()) {
       write_schemas(schemas);
       return 0;

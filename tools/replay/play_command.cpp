@@ -246,11 +246,7 @@ void PlayCommand::add_to(CLI::App& app) {
                  "logs that were recorded together. NAME.LABEL.lcmlog, as palpate-record writes "
                  "them, goes to the URL of its label; LABEL=FILE says it; else control")
       ->required();
-  app.add_option("--url", urls,
-                 "LCM URL of a label in place of the default (repeatable; without a "
-                 "label: control)")
-      ->type_name("[LABEL=]URL")
-      ->allow_extra_args(false);
+  record::add_url_option(app, urls);
   app.add_option("--start", player.start, "s since the first message, where to begin")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--end", player.end, "s, where to stop")->check(CLI::NonNegativeNumber);

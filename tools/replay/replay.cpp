@@ -1,26 +1,31 @@
 #include "tools/replay/replay.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <palpate/channels.hpp>
 #include <palpate/component_command_t.hpp>
+#include <palpate/shape_v1_t.hpp>
 #include <set>
 #include <stdexcept>
 
 #include "core/math/fnv1a.hpp"
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/text.hpp"
+#include "rt/client/client.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 #include "tools/log/event_log.hpp"
+#include "tools/record/message_types.hpp"
 
 namespace palpate::replay {
 namespace {
 
 // Header of an encoded message: fingerprint, utime, seq, session; for a command also counter and
 // code.
-constexpr int kUtimeAt = 8, kSeqAt = 16, kHeaderEnd = 28, kCommandHeaderEnd = 28 + 8 + 32;
+constexpr int kSeqAt = 16, kHeaderEnd = record::kMessageHeaderSize,
+              kCommandHeaderEnd = kHeaderEnd + 8 + 32;
 
 constexpr std::array<const char*, 4> kStates = {channel::kContacts, channel::kEstimate,
                                                 channel::kFeature, channel::kShape};
@@ -36,16 +41,19 @@ std::string plain(const std::string& channel) {
 
 template <std::size_t kSize>
 bool is_one(const std::string& channel, const std::array<const char*, kSize>& names) {
-  for (const char* name : names) {
-    if (channel == name) return true;
-  }
-  return false;
+  return std::find(names.begin(), names.end(), channel) != names.end();
 }
 
-std::int64_t utime_of(const std::uint8_t* data) {
+std::int64_t number_at(const std::uint8_t* data) {
   std::uint64_t big_endian = 0;
-  std::memcpy(&big_endian, data + kUtimeAt, sizeof(big_endian));
+  std::memcpy(&big_endian, data, sizeof(big_endian));
   return static_cast<std::int64_t>(__builtin_bswap64(big_endian));
+}
+
+/// Whether an encoded shape_t is the first of its chunks.
+bool is_first_chunk(const std::uint8_t* data) {
+  constexpr int kChunkAt = kHeaderEnd + 8 + 4 + 4;
+  return data[kChunkAt] == 0 && data[kChunkAt + 1] == 0;
 }
 
 constexpr std::int64_t kSession = 1;  // of a deterministic run
@@ -55,15 +63,6 @@ std::set<std::string> inputs_of(const bus::MessageBus& bus) {
   std::set<std::string> channels;
   for (const bus::Subscription* one : bus.subscriptions()) channels.insert(one->channel());
   return channels;
-}
-
-void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
-  component_command_t command{};
-  command.session = kSession;
-  bus::put_text(command.slot, "all");
-  bus::put_text(command.event, "start");
-  bus::MessageSigner(channel::kComponentCommand, {key, 0}).put(command, 0);
-  bus::TypedPublisher<component_command_t>(bus, channel::kComponentCommand).publish(command);
 }
 
 bool is_start(const bus::LoggedEvent& event) {
@@ -148,7 +147,8 @@ class Run {
  private:
   void begin(std::int64_t now_ns) {
     bus::set_time(*hub_, now_ns);
-    if (options_.start) send_start(*input_, daemon_.settings().key);
+    if (options_.start)
+      client::Client(*input_, *input_, {daemon_.settings().key, 0}, kSession).send({"start"}, 0);
   }
 
   void offer(const bus::LoggedEvent& event) {
@@ -169,7 +169,7 @@ class Run {
     for (bus::Published& message : published_) {
       const int size = static_cast<int>(message.data.size());
       if (message.channel == channel::kShape) {
-        ++result_.shapes;
+        if (is_first_chunk(message.data.data())) ++result_.shapes;
         shapes_.add(message.data.data(), message.data.size());
       }
       if (options_.compare) comparison_.take_replayed(message.channel, message.data.data(), size);
@@ -208,13 +208,14 @@ void Comparison::take(Hashes& hashes, const std::string& channel, const std::uin
                       int size) {
   const int skipped_to = is_one(plain(channel), kCommands) ? kCommandHeaderEnd : kHeaderEnd;
   if (size < skipped_to) return;
-  math::Fnv1a& hash = hashes[utime_of(data)];
+  math::Fnv1a& hash = hashes[record::header_of(data).utime];
   hash.add(data, kSeqAt);
   hash.add(data + skipped_to, static_cast<std::size_t>(size - skipped_to));
 }
 
 void Comparison::take_recorded(const std::string& channel, const std::uint8_t* data, int size) {
-  if (concerns(channel)) take(recorded_[channel], channel, data, size);
+  const bool is_former = size >= kHeaderEnd && number_at(data) == shape_v1_t::getHash();
+  if (concerns(channel) && !is_former) take(recorded_[channel], channel, data, size);
 }
 
 void Comparison::take_replayed(const std::string& channel, const std::uint8_t* data, int size) {

@@ -21,7 +21,7 @@ struct ChannelComparison {
 
 /// Compares the daemon's recorded messages with those of a replay of the same log, message by
 /// message of the same utime, except for fields that are regenerated at each start: number,
-/// session, counter and authentication.
+/// session, counter and authentication. Recorded messages of former types are left out.
 class Comparison {
  public:
   /// Channels that are compared: those determined by the inputs alone.

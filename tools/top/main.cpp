@@ -15,6 +15,7 @@
 
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/common/keyboard.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/common/program.hpp"
@@ -102,8 +103,6 @@ namespace {
 
 using namespace palpate;
 
-volatile std::sig_atomic_t stopped = 0;
-
 struct Options {
   std::vector<std::string> urls;
   std::string json;
@@ -157,7 +156,7 @@ class Everything {
 
 void sleep_until_stopped(double seconds) {
   const std::int64_t end = loop::monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
-  while (stopped == 0 && loop::monotonic_ns() < end)
+  while (!common::is_interrupted() && loop::monotonic_ns() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
@@ -177,7 +176,7 @@ int show(Everything& everything, const record::Listener& listener, const Options
   const bool colours = !options.plain && top::wants_colours();
   top::Order order = top::Order::kName;
   int first = 0;
-  while (stopped == 0) {
+  while (!common::is_interrupted()) {
     const top::Terminal::Size size = terminal.size();
     const std::vector<top::Line> lines =
         everything.look(listener, order, [](const top::View& view) { return top::lines_of(view); });
@@ -235,12 +234,7 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
-  app.add_option(
-         "--url", options.urls,
-         "LCM URL of control, housekeeping or pictures in place of the default, or of a further "
-         "label (repeatable; without a label: control)")
-      ->type_name("[LABEL=]URL")
-      ->allow_extra_args(false);
+  record::add_url_option(app, options.urls);
   app.add_flag("--once", options.once, "print plain text once and end");
   app.add_option("--json", options.json,
                  "write JSON to this file, or - for standard output, and end")
@@ -261,8 +255,6 @@ int main(int argc, char** argv) {
     return *code;
   if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
 
-  struct sigaction action {};
-  action.sa_handler = [](int) { stopped = 1; };
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  common::catch_interruptions();
   return common::run_program("error", [&] { return run(options); });
 }

@@ -35,8 +35,8 @@ void add_counters(const health_t& health, std::vector<Line>& lines) {
                    (health.allocations < 0 ? ", allocations not counted"
                                            : word(", allocations", health.allocations))});
   lines.push_back(
-      {word("gate limited", health.gate_limited) + word(", refused", health.gate_refused) +
-       word("; commands refused", health.commands_refused) +
+      {word("gate limited", health.gate_limited) + word(", rejected", health.gate_rejected) +
+       word("; commands rejected", health.commands_rejected) +
        word("; telemetry dropped", health.telemetry_dropped) +
        word("; datagrams malformed", health.malformed) + word(", fragments", health.fragmented) +
        word(", overflowed", health.overflowed)});
@@ -168,8 +168,8 @@ nlohmann::json json_of(const health_t& health) {
                          {"page_faults", health.page_faults},
                          {"allocations", health.allocations},
                          {"gate_limited", health.gate_limited},
-                         {"gate_refused", health.gate_refused},
-                         {"commands_refused", health.commands_refused},
+                         {"gate_refused", health.gate_rejected},
+                         {"commands_refused", health.commands_rejected},
                          {"telemetry_dropped", health.telemetry_dropped},
                          {"malformed", health.malformed},
                          {"overflowed", health.overflowed}};

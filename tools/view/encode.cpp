@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "rt/bus/text.hpp"
 
@@ -14,13 +15,8 @@ namespace {
 /// Micrometres and micronewtons are finer than the image; more digits make the text long.
 json number(double x) { return std::isfinite(x) ? json(std::round(x * 1e6) / 1e6) : json(); }
 
-json numbers(const double* x, int count) {
-  json list = json::array();
-  for (int i = 0; i < count; ++i) list.push_back(number(x[i]));
-  return list;
-}
-
-json rounded(const float* x, int count) {
+template <class Number>
+json numbers(const Number* x, int count) {
   json list = json::array();
   for (int i = 0; i < count; ++i) list.push_back(number(static_cast<double>(x[i])));
   return list;
@@ -31,7 +27,7 @@ json rounded(const float* x, int count) {
 void Parcel::append(const std::string& name, const char* type, const void* data,
                     std::size_t count) {
   head_["arrays"].push_back({{"name", name}, {"type", type}, {"count", count}});
-  body_.append(static_cast<const char*>(data), 4 * count);
+  arrays_.emplace_back(static_cast<const char*>(data), 4 * count);
 }
 
 void Parcel::add(const std::string& name, const std::vector<float>& values) {
@@ -49,9 +45,11 @@ std::string Parcel::finish() {
   std::string whole(4, '\0');
   // x86-64 and all browsers' machines are little-endian.
   std::memcpy(whole.data(), &length, 4);
-  whole.reserve(4 + text.size() + body_.size());
+  std::size_t size = 4 + text.size();
+  for (const std::string_view array : arrays_) size += array.size();
+  whole.reserve(size);
   whole += text;
-  whole += body_;
+  for (const std::string_view array : arrays_) whole += array;
   return whole;
 }
 
@@ -65,15 +63,20 @@ std::string hash_text(std::int64_t hash) {
   return text;
 }
 
-std::string encode_mesh(const char* role, const ViewMesh& mesh) {
+std::string encode_mesh(const char* role, const shape_mesh_t& mesh) {
+  std::set<std::int32_t> middles;  // of the edges of quadratic tetrahedra
+  for (std::size_t i = 0; mesh.element_size == 10 && i < mesh.elements.size(); ++i)
+    if (i % 10 >= 4) middles.insert(mesh.elements[i]);
+  const std::vector<std::int32_t> middle_list(middles.begin(), middles.end());
   Parcel parcel({{"type", "mesh"},
                  {"role", role},
-                 {"hash", hash_text(mesh.hash)},
+                 {"hash", hash_text(mesh.mesh_hash)},
                  {"nodes", mesh.node_count},
                  {"elements", mesh.elements.size() / static_cast<std::size_t>(mesh.element_size)}});
   parcel.add("rest", mesh.rest_xyz);
   parcel.add("triangles", mesh.triangles);
   parcel.add("constrained", mesh.constrained);
+  parcel.add("middles", middle_list);
   return parcel.finish();
 }
 
@@ -151,17 +154,17 @@ json to_json(const health_t& h) {
           {"not_converged", h.shapes_not_converged},
           {"page_faults", h.page_faults},
           {"allocations", h.allocations},
-          {"p50_us", rounded(h.p50_us, h.phase_count)},
-          {"p99_us", rounded(h.p99_us, h.phase_count)},
-          {"max_us", rounded(h.max_us, h.phase_count)},
+          {"p50_us", numbers(h.p50_us, h.phase_count)},
+          {"p99_us", numbers(h.p99_us, h.phase_count)},
+          {"max_us", numbers(h.max_us, h.phase_count)},
           {"inputs", inputs},
           {"models", models},
           {"malformed", h.malformed},
           {"overflowed", h.overflowed},
           {"telemetry_dropped", h.telemetry_dropped},
           {"gate_limited", h.gate_limited},
-          {"gate_refused", h.gate_refused},
-          {"commands_refused", h.commands_refused}};
+          {"gate_rejected", h.gate_rejected},
+          {"commands_rejected", h.commands_rejected}};
 }
 
 json to_json(const truth_contact_t& t) {

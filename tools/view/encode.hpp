@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/view/mesh_book.hpp"
 #include "tools/view/scene.hpp"
 
 namespace palpate::view {
@@ -19,6 +18,7 @@ class Parcel {
   explicit Parcel(nlohmann::json head) : head_(std::move(head)) {
     head_["arrays"] = nlohmann::json::array();
   }
+  /// The values are read by finish(): they must exist until then.
   void add(const std::string& name, const std::vector<float>& values);
   void add(const std::string& name, const std::vector<std::int32_t>& values);
   std::string finish();
@@ -26,7 +26,7 @@ class Parcel {
  private:
   void append(const std::string& name, const char* type, const void* data, std::size_t count);
   nlohmann::json head_;
-  std::string body_;
+  std::vector<std::string_view> arrays_;  // bytes
 };
 
 /// Any text of a message, with arbitrary bytes, as JSON.
@@ -35,7 +35,7 @@ std::string dump(const nlohmann::json& json);
 std::string hash_text(std::int64_t hash);
 
 /// `role`: "estimate" or "truth".
-std::string encode_mesh(const char* role, const ViewMesh& mesh);
+std::string encode_mesh(const char* role, const shape_mesh_t& mesh);
 
 /// Messages in the form that the page reads. Numbers that are not finite become null.
 nlohmann::json to_json(const biotac_t& fingertip);

@@ -34,7 +34,7 @@ struct FieldEvaluator::Mechanics {
   Eigen::Matrix3Xd x;
 };
 
-FieldEvaluator::FieldEvaluator(std::shared_ptr<const ViewMesh> mesh) : mesh_(std::move(mesh)) {
+FieldEvaluator::FieldEvaluator(std::shared_ptr<const shape_mesh_t> mesh) : mesh_(std::move(mesh)) {
   node_volume_.assign(static_cast<std::size_t>(mesh_->node_count), 0.0F);
   read_elements();
 }
@@ -44,11 +44,17 @@ FieldEvaluator::~FieldEvaluator() = default;
 void FieldEvaluator::read_elements() {
   // Tetrahedra along each of the six paths from corner 000 to corner 111 of a cube.
   constexpr int kWays[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
+  // Of ten nodes: the four corners, and the octahedron between the middles of the edges.
+  constexpr std::size_t kParts[8][4] = {{0, 4, 6, 7}, {1, 5, 4, 8}, {2, 6, 5, 9}, {3, 7, 8, 9},
+                                        {4, 9, 5, 6}, {4, 9, 6, 7}, {4, 9, 7, 8}, {4, 9, 8, 5}};
   const std::vector<std::int32_t>& e = mesh_->elements;
   const auto size = static_cast<std::size_t>(mesh_->element_size);
   for (std::size_t first = 0; first < e.size(); first += size) {
-    if (size == 4 || size == 10)
-      add_tetrahedron({e[first], e[first + 1], e[first + 2], e[first + 3]});
+    if (size == 4) add_tetrahedron({e[first], e[first + 1], e[first + 2], e[first + 3]});
+    for (const auto& part : kParts)
+      if (size == 10)
+        add_tetrahedron(
+            {e[first + part[0]], e[first + part[1]], e[first + part[2]], e[first + part[3]]});
     if (size != 27) continue;
     for (int cell = 0; cell < 8; ++cell) {
       const auto corner = [&](int c) {

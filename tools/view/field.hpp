@@ -2,11 +2,11 @@
 
 #include <array>
 #include <memory>
+#include <palpate/shape_mesh_t.hpp>
 #include <string>
 #include <vector>
 
 #include "core/elasticity/element_stress.hpp"
-#include "tools/view/mesh_book.hpp"
 
 namespace palpate::view {
 
@@ -18,15 +18,16 @@ const char* name(Field field);
 /// False for an unknown name.
 bool field_from(const std::string& name, Field& field);
 
-/// Computes one number per node from the node positions. Elements are tetrahedra of the mesh's
-/// corners with constant strain (the simulator's hexahedra of 27 nodes are divided into 48 each);
-/// nodes get the mean of the adjacent elements, weighted by rest volume.
+/// Computes one number per node from the node positions. Elements are tetrahedra between
+/// neighbouring nodes with constant strain (those of 10 nodes are divided into 8, the simulator's
+/// hexahedra of 27 nodes into 48 each); nodes get the mean of the adjacent elements, weighted by
+/// rest volume.
 class FieldEvaluator {
  public:
-  explicit FieldEvaluator(std::shared_ptr<const ViewMesh> mesh);
+  explicit FieldEvaluator(std::shared_ptr<const shape_mesh_t> mesh);
   ~FieldEvaluator();
 
-  const ViewMesh& mesh() const { return *mesh_; }
+  const shape_mesh_t& mesh() const { return *mesh_; }
   /// Whether strain and stress can be computed: there are elements, none of them inverted at rest.
   bool has_elements() const { return !tetrahedra_.empty(); }
 
@@ -51,7 +52,7 @@ class FieldEvaluator {
   template <class Value>
   void average(Value value_of_element, std::vector<float>& out);
 
-  std::shared_ptr<const ViewMesh> mesh_;
+  std::shared_ptr<const shape_mesh_t> mesh_;
   std::vector<Tetrahedron> tetrahedra_;
   std::vector<float> node_volume_;
   std::unique_ptr<Mechanics> mechanics_;

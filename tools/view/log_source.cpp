@@ -1,11 +1,9 @@
 #include "tools/view/log_source.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <palpate/channels.hpp>
 #include <stdexcept>
 
@@ -18,6 +16,17 @@ namespace {
 // Interval between indexed messages of one channel; events and meshes are all indexed.
 constexpr std::int64_t kClosest = 4'000;  // us
 constexpr std::size_t kSeriesPoints = 1'500;
+
+/// us, clock of the sender: the first field of every message; 0 if the message is too short.
+std::int64_t sent_us(const std::uint8_t* data, int size) {
+  std::uint64_t big_endian = 0;
+  if (size >= 16) std::memcpy(&big_endian, data + 8, sizeof(big_endian));
+  return static_cast<std::int64_t>(__builtin_bswap64(big_endian));
+}
+
+bool is_shape(const std::string& channel) {
+  return channel == channel::kShape || channel == channel::kTruthShape;
+}
 
 bool keeps_all(const std::string& channel) {
   return channel == Scene::kEvents || Scene::is_mesh(channel);
@@ -41,27 +50,6 @@ void thin(Series& series) {
 
 }  // namespace
 
-class LogSource::File {
- public:
-  explicit File(const std::string& path) : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    if (descriptor_ < 0) throw std::runtime_error(path + ": cannot be opened");
-  }
-  ~File() { close(descriptor_); }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-
-  bool read(std::int64_t at, std::vector<std::uint8_t>& into) const {
-    return pread(descriptor_, into.data(), into.size(), at) == static_cast<ssize_t>(into.size());
-  }
-  double size() const {
-    struct stat status {};
-    return fstat(descriptor_, &status) == 0 ? static_cast<double>(status.st_size) : 0;
-  }
-
- private:
-  int descriptor_;
-};
-
 LogSource::LogSource(const std::vector<std::string>& files, const Progress& progress,
                      std::vector<std::string>& complaints) {
   for (std::size_t i = 0; i < files.size(); ++i)
@@ -82,13 +70,11 @@ LogSource::LogSource(const std::vector<std::string>& files, const Progress& prog
   finish_series();
 }
 
-LogSource::~LogSource() = default;
-
 void LogSource::index(const std::string& path, std::int16_t number, const Progress& progress,
                       std::vector<std::string>& complaints) {
-  files_.push_back(std::make_unique<File>(path));
-  const double size = files_.back()->size();
   bus::EventLogReader reader(path);
+  files_.emplace_back(path, std::ios::binary);
+  const auto size = static_cast<double>(std::filesystem::file_size(path));
   const auto& wanted = Scene::channels();
   double reported = 0;
   while (const bus::LoggedEvent* event = reader.next()) {
@@ -97,13 +83,16 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
     if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end()) continue;
     note(event->channel, event->data, event->size, event->utime);
     std::vector<Entry>& list = entries_[event->channel];
-    if (!keeps_all(event->channel) && !list.empty()) {
+    const std::int64_t sent = sent_us(event->data, event->size);
+    const bool is_next_chunk =
+        is_shape(event->channel) && !list.empty() && list.back().sent_us == sent;
+    if (!keeps_all(event->channel) && !list.empty() && !is_next_chunk) {
       const std::int64_t since = event->utime - list.back().time_us;
       if (since >= 0 && since < kClosest) continue;
     }
     const std::int64_t at =
         event->at + bus::kEventHeaderSize + static_cast<std::int64_t>(event->channel.size());
-    list.push_back({event->utime, at, event->size, number});
+    list.push_back({event->utime, at, sent, event->size, number});
   }
   if (!reader.complaint().empty()) complaints.push_back(reader.complaint());
 }
@@ -114,18 +103,16 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
   };
   if (channel == channel::kFeature) {
     feature_t feature;
-    if (bus::checked_decode(feature, data, size) && feature.error_count >= 1 &&
-        feature.error_count <= 32)
+    if (log::decode(feature, data, size) && feature.error_count >= 1 && feature.error_count <= 32)
       add(0, error_norm(feature));
   } else if (channel == channel::kHealth) {
     health_t health;
-    if (!bus::checked_decode(health, data, size) || health.phase_count != kPhases) return;
+    if (!log::decode(health, data, size) || health.phase_count != kPhases) return;
     add(1, static_cast<double>(health.p99_us[0]));
     add(2, static_cast<double>(health.p99_us[kPhases - 1]));
   } else if (channel == Scene::kEvents) {
     component_event_t event;
-    if (bus::checked_decode(event, data, size))
-      happened_.emplace_back(time_us, bus::get_text(event.event));
+    if (log::decode(event, data, size)) happened_.emplace_back(time_us, bus::get_text(event.event));
   }
 }
 
@@ -151,7 +138,10 @@ void LogSource::finish_series() {
 
 void LogSource::offer(const std::string& channel, const Entry& entry, Scene& scene) {
   buffer_.resize(static_cast<std::size_t>(entry.size));
-  if (files_[static_cast<std::size_t>(entry.file)]->read(entry.at, buffer_))
+  std::ifstream& file = files_[static_cast<std::size_t>(entry.file)];
+  file.clear();
+  file.seekg(entry.at);
+  if (file.read(reinterpret_cast<char*>(buffer_.data()), entry.size))
     scene.accept(channel, buffer_.data(), entry.size, entry.time_us);
 }
 
@@ -179,7 +169,10 @@ void LogSource::go_to(double time, Scene& scene) {
       if (all_meshes)
         for (const Entry& entry : list) offer(channel, entry, scene);
     } else if (count > shown) {
-      offer(channel, list[count - 1], scene);
+      std::size_t first = count - 1;  // or the first chunk of a shape
+      while (is_shape(channel) && first > 0 && list[first - 1].sent_us == list[first].sent_us)
+        --first;
+      for (std::size_t i = first; i < count; ++i) offer(channel, list[i], scene);
     }
     shown = count;
   }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <array>
+#include <fstream>
 #include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,7 +27,6 @@ class LogSource {
   /// holds a message to show. `complaints`: one line for each damaged file.
   LogSource(const std::vector<std::string>& files, const Progress& progress,
             std::vector<std::string>& complaints);
-  ~LogSource();
 
   double duration() const { return duration_; }  // s
   double time() const { return time_; }          // s since the log's start
@@ -44,12 +43,11 @@ class LogSource {
  private:
   struct Entry {
     std::int64_t time_us;
-    std::int64_t at;  // of the data in the file
+    std::int64_t at;       // of the data in the file
+    std::int64_t sent_us;  // clock of the sender; equal for all chunks of a shape
     std::int32_t size;
     std::int16_t file;
   };
-  class File;
-
   void index(const std::string& path, std::int16_t number, const Progress& progress,
              std::vector<std::string>& complaints);
   void offer(const std::string& channel, const Entry& entry, Scene& scene);
@@ -61,7 +59,7 @@ class LogSource {
     float value;
   };
 
-  std::vector<std::unique_ptr<File>> files_;
+  std::vector<std::ifstream> files_;
   std::map<std::string, std::vector<Entry>> entries_;  // by channel, in order of time
   std::map<std::string, std::size_t>
       shown_;  // number of each channel's messages passed to the scene

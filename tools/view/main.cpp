@@ -7,12 +7,13 @@
 #include <cstdio>
 #include <thread>
 
-#include "rt/config/command_line.hpp"
+#include "tools/common/program.hpp"
 #include "tools/view/server.hpp"
 
 namespace {
 
 namespace bus = palpate::bus;
+namespace client = palpate::client;
 namespace view = palpate::view;
 
 struct Options {
@@ -150,7 +151,7 @@ int run(Options& options) {
       options.token_file.empty() ? view::Token() : view::Token(options.token_file);
   view::Viewer viewer(viewer_options, token);
 
-  std::unique_ptr<bus::MessageBus> control;
+  std::unique_ptr<bus::MessageBus> control, housekeeping;
   if (!options.logs.empty()) {
     viewer.show_log(open_log(options));
   } else {
@@ -162,7 +163,9 @@ int run(Options& options) {
     access.start_us = bus::wall_clock_us();
     if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
     control = bus::make_lcm_bus(options.control_url);
-    viewer.command_by(std::make_unique<view::Commander>(*control, access));
+    housekeeping = bus::make_lcm_bus(options.housekeeping_url);
+    viewer.command_by(std::make_unique<client::Client>(*control, *housekeeping, access));
+    housekeeping->start_without_thread();
   }
   view::Server server(options.server, assets, viewer);
   print_address(options, server.port(), token);
@@ -193,13 +196,5 @@ int main(int argc, char** argv) {
                                                  {78, "wrong configuration"}},
                                                 {{"--housekeeping", "--url", "housekeeping="}}}))
     return *code;
-  try {
-    return run(options);
-  } catch (const palpate::config::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return palpate::config::kExitCode;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return palpate::common::run_program("error", [&] { return run(options); });
 }

@@ -31,10 +31,10 @@ void Page::begin(const Request& request) {
         .socket()
         .set_option(boost::asio::ip::tcp::no_delay(true), ignored);
     self->client_->send_text = [page = std::weak_ptr<Page>(self)](std::string text) {
-      if (const auto there = page.lock()) there->send(false, std::move(text));
+      if (const auto there = page.lock()) there->send_text(std::move(text));
     };
     self->room_.pages.insert(self);
-    self->send(false, self->room_.viewer.greeting(bus::wall_clock_us()));
+    self->send_text(self->room_.viewer.greeting(bus::wall_clock_us()));
     self->read();
   });
 }
@@ -76,16 +76,16 @@ void Page::deliver(std::int64_t now_us) {
     return;
   }
   Delivery delivery = room_.viewer.deliver(*client_, now_us);
-  for (std::string& text : delivery.texts) send(false, std::move(text));
-  for (std::string& parcel : delivery.parcels) {
-    room_.counters.bytes += static_cast<std::int64_t>(parcel.size());
+  for (std::string& text : delivery.texts) send_text(std::move(text));
+  for (auto& parcel : delivery.parcels) {
+    room_.counters.bytes += static_cast<std::int64_t>(parcel->size());
     send(true, std::move(parcel));
   }
   undrawn_.push_back(delivery.frame);
   ++room_.counters.frames;
 }
 
-void Page::send(bool binary, std::string data) {
+void Page::send(bool binary, std::shared_ptr<const std::string> data) {
   if (left_) return;
   if (waiting_.size() >= kMostWaiting) return leave();
   waiting_.push_back({binary, std::move(data)});
@@ -95,7 +95,7 @@ void Page::send(bool binary, std::string data) {
 void Page::write() {
   writing_ = true;
   socket_.binary(waiting_.front().binary);
-  socket_.async_write(boost::asio::buffer(waiting_.front().data),
+  socket_.async_write(boost::asio::buffer(*waiting_.front().data),
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         self->writing_ = false;
                         if (error) return self->leave();

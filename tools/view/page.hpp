@@ -38,12 +38,15 @@ class Page : public std::enable_shared_from_this<Page> {
  private:
   struct Message {
     bool binary;
-    std::string data;
+    std::shared_ptr<const std::string> data;  // may be that of other pages as well
   };
   void read();
   void catch_up();
   bool is_behind();
-  void send(bool binary, std::string data);
+  void send(bool binary, std::shared_ptr<const std::string> data);
+  void send_text(std::string text) {
+    send(false, std::make_shared<const std::string>(std::move(text)));
+  }
   void write();
   void leave();
 

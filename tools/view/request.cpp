@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tools/command/request.hpp"
+#include "rt/client/request.hpp"
 
 namespace palpate::view {
 
@@ -83,8 +83,8 @@ Command read_command(const json& object) {
     known = known || event == name;
   if (!known) throw RequestError("event: must be start, stop, reset, zero, calibrate or replace");
   return {id_of(object),
-          command::make_command({event, text(object, "slot", "all"), text(object, "instance", ""),
-                                 text(object, "component", ""), text(object, "parameters", "")})};
+          client::make_command({event, text(object, "slot", "all"), text(object, "instance", ""),
+                                text(object, "component", ""), text(object, "parameters", "")})};
 }
 
 Request read(const json& object, double max_force) {
@@ -100,8 +100,8 @@ Request read(const json& object, double max_force) {
   if (type == "control") return TakeControl{text(object, "token", "")};
   if (type == "command") return read_command(object);
   if (type == "target")
-    return SetTarget{id_of(object), command::make_target(text(object, "kind", ""), {},
-                                                         numbers(object, "values", 1e6))};
+    return SetTarget{id_of(object), client::make_target(text(object, "kind", ""), {},
+                                                        numbers(object, "values", 1e6))};
   if (type == "push") return read_push(object, max_force);
   if (type == "play") return read_play(object);
   throw RequestError("type: must be ack, colour, control, command, target, push or play");

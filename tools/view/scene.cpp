@@ -16,10 +16,6 @@ bool all_finite(const Numbers& numbers) {
                      [](auto x) { return std::isfinite(x) && std::fabs(x) < 1e9; });
 }
 
-bool is_sound(const shape_t& m) {
-  return m.node_count >= 1 && m.xyz_count % 3 == 0 && m.xyz_count / 3 == m.node_count &&
-         (m.deviation_count == 0 || m.deviation_count == m.node_count) && all_finite(m.xyz);
-}
 bool is_sound(const contacts_t& m) { return m.count >= 0 && m.count <= 8; }
 bool is_sound(const estimate_t& m) { return m.grasp_count >= 0 && m.grasp_count <= 2; }
 bool is_sound(const feature_t& m) {
@@ -55,6 +51,18 @@ double error_norm(const feature_t& feature) {
   return std::sqrt(sum);
 }
 
+bool LatestShape::take(shape_t&& chunk, std::int64_t arrival_us) {
+  const std::int64_t rejected = assembler.rejected();
+  const bool is_finite = all_finite(chunk.xyz);
+  shape_t* whole = is_finite ? assembler.add(std::move(chunk)) : nullptr;
+  if (whole == nullptr) return is_finite && assembler.rejected() == rejected;
+  std::swap(message, *whole);
+  time_us = arrival_us;
+  there = true;
+  ++count;
+  return true;
+}
+
 void Fingertip::take(const biotac_t& next, std::int64_t next_us) {
   const bool follows = there && next.session == message.session &&
                        next.seq == std::int64_t{message.seq} + 1 &&
@@ -70,7 +78,7 @@ void Fingertip::take(const biotac_t& next, std::int64_t next_us) {
 
 template <class Visit>
 void Scene::for_each_latest(Visit visit) {
-  visit(shape), visit(truth), visit(truth_contact), visit(contacts), visit(estimate);
+  visit(truth_contact), visit(contacts), visit(estimate);
   visit(feature), visit(health), visit(config), visit(twist), visit(manual), visit(observation);
   for (auto& one : robot) visit(one);
   for (auto& one : hand) visit(one);
@@ -84,6 +92,7 @@ const std::vector<std::string_view>& Scene::channels() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{kEvents, kMeshes[0], kMeshes[1]};
     Scene scene;
+    all.insert(all.end(), {scene.shape.channel, scene.truth.channel});
     scene.for_each_latest([&all](const auto& latest) { all.emplace_back(latest.channel); });
     for (const Fingertip& fingertip : scene.fingertips) all.emplace_back(fingertip.channel);
     return all;
@@ -94,29 +103,35 @@ const std::vector<std::string_view>& Scene::channels() {
 void Scene::accept(std::string_view channel, const void* data, int size, std::int64_t time_us) {
   if (channel == kEvents) {
     component_event_t event;
-    if (!bus::checked_decode(event, data, size)) {
-      ++refused_;
+    if (!log::decode(event, data, size)) {
+      ++rejected_;
       return;
     }
     events_.push_back({++event_count_, time_us, event});
     if (events_.size() > kMostEvents) events_.pop_front();
     return;
   }
+  for (LatestShape* latest : {&shape, &truth}) {
+    if (channel != latest->channel) continue;
+    shape_t chunk;
+    if (!log::decode(chunk, data, size) || !latest->take(std::move(chunk), time_us)) ++rejected_;
+    return;
+  }
   if (is_mesh(channel)) {
     shape_mesh_t chunk;
-    if (bus::checked_decode(chunk, data, size))
+    if (log::decode(chunk, data, size))
       meshes_.add(chunk);
     else
-      ++refused_;
+      ++rejected_;
     return;
   }
   for (Fingertip& fingertip : fingertips) {
     if (channel != fingertip.channel) continue;
     biotac_t message;
-    if (bus::checked_decode(message, data, size) && is_sound(message))
+    if (log::decode(message, data, size) && is_sound(message))
       fingertip.take(message, time_us);
     else
-      ++refused_;
+      ++rejected_;
     return;
   }
   for_each_latest([&](auto& latest) {
@@ -134,9 +149,9 @@ void Scene::refresh() {
     latest.fresh = false;
     typename std::decay_t<decltype(latest)>::Type message;
     const bool whole =
-        bus::checked_decode(message, latest.data.data(), static_cast<int>(latest.data.size()));
+        log::decode(message, latest.data.data(), static_cast<int>(latest.data.size()));
     if (!whole || !is_sound(message)) {
-      ++refused_;
+      ++rejected_;
       return;
     }
     latest.message = std::move(message);
@@ -150,6 +165,7 @@ void Scene::forget_messages() {
     latest.there = false;
     latest.fresh = false;
   });
+  shape.there = truth.there = false;
   for (Fingertip& fingertip : fingertips) {
     fingertip.there = false;
     fingertip.pac.clear();

@@ -22,8 +22,8 @@
 #include <tuple>
 #include <vector>
 
-#include "rt/bus/checked_decode.hpp"
-#include "tools/view/mesh_book.hpp"
+#include "rt/bus/shape_chunks.hpp"
+#include "tools/log/former_types.hpp"
 
 namespace palpate::view {
 
@@ -43,6 +43,21 @@ struct Latest {
 
   /// nullptr if there is none.
   const Message* get() const { return there ? &message : nullptr; }
+};
+
+/// The last whole shape of a channel; decoded and joined from its chunks when they arrive.
+struct LatestShape {
+  const char* channel;
+  std::int64_t time_us = 0;  // time of arrival: wall clock, or the log's
+  std::int64_t count = 0;    // whole ones so far
+  bool there = false;
+  shape_t message{};
+  bus::ShapeAssembler assembler{};
+
+  /// nullptr if there is none.
+  const shape_t* get() const { return there ? &message : nullptr; }
+  /// False if the chunk is rejected.
+  bool take(shape_t&& chunk, std::int64_t arrival_us);
 };
 
 /// A fingertip's last message, and the dynamic pressure of the messages up to it.
@@ -96,7 +111,7 @@ class Scene {
   /// Resets to the initial state, except for known meshes: after a jump in a log.
   void forget_messages();
 
-  Latest<shape_t> shape{channel::kShape}, truth{channel::kTruthShape};
+  LatestShape shape{channel::kShape}, truth{channel::kTruthShape};
   Latest<truth_contact_t> truth_contact{channel::kTruthContact};
   Latest<contacts_t> contacts{channel::kContacts};
   Latest<estimate_t> estimate{channel::kEstimate};
@@ -120,21 +135,22 @@ class Scene {
                                         {"BIOTAC_3_1"},
                                         {"BIOTAC_4_1"}}};
 
-  const MeshBook& meshes() const { return meshes_; }
+  const bus::MeshAssembler& meshes() const { return meshes_; }
   const std::deque<NumberedEvent>& events() const { return events_; }
   /// Incremented by forget_messages().
   std::int64_t generation() const { return generation_; }
-  std::int64_t refused() const { return refused_ + meshes_.refused(); }
+  /// Messages of another type or size, and those with impossible contents.
+  std::int64_t rejected() const { return rejected_ + meshes_.rejected(); }
 
  private:
   template <class Visit>
   void for_each_latest(Visit visit);
 
-  MeshBook meshes_;
+  bus::MeshAssembler meshes_;
   std::deque<NumberedEvent> events_;
   std::int64_t event_count_ = 0;
   std::int64_t generation_ = 0;
-  std::int64_t refused_ = 0;
+  std::int64_t rejected_ = 0;
 };
 
 }  // namespace palpate::view

@@ -12,39 +12,30 @@ constexpr std::int64_t kSameClock = 300'000;  // us, largest difference
 // Of nodes and elements, which are searched once in the thread that serves the pages.
 constexpr double kLargestSearch = 1e8;
 
-Eigen::Matrix3Xd nodes_of(const ViewMesh& mesh) {
-  return Eigen::Matrix3Xf::Map(mesh.rest_xyz.data(), 3, mesh.node_count).cast<double>();
-}
-
 }  // namespace
 
-void ShapeError::set_meshes(const ViewMesh& mesh, const ViewMesh& truth_mesh) {
-  if (hash_ == mesh.hash && truth_hash_ == truth_mesh.hash) return;
-  hash_ = mesh.hash;
-  truth_hash_ = truth_mesh.hash;
+void ShapeError::set_meshes(const shape_mesh_t& mesh, const shape_mesh_t& truth_mesh) {
+  if (hash_ == mesh.mesh_hash && truth_hash_ == truth_mesh.mesh_hash) return;
+  hash_ = mesh.mesh_hash;
+  truth_hash_ = truth_mesh.mesh_hash;
   points_.reset();
   waiting_.clear();
   before_.reset();
   after_.reset();
   last_.reset();
-  log::MeshMessage plant;
-  plant.element_kind = truth_mesh.element_kind;
-  plant.nodes = nodes_of(truth_mesh);
-  plant.elements = Eigen::MatrixXi::Map(
-      truth_mesh.elements.data(), truth_mesh.element_size,
-      static_cast<Eigen::Index>(truth_mesh.elements.size()) / truth_mesh.element_size);
+  const log::MeshMessage plant = log::mesh_of(truth_mesh);
   if (plant.elements.cols() == 0 ||
       static_cast<double>(plant.elements.cols()) * mesh.node_count > kLargestSearch)
     return;
   try {
-    points_.emplace(plant, nodes_of(mesh));
+    points_.emplace(plant, log::mesh_of(mesh).nodes);
   } catch (const std::exception&) {
     // Of other elements, or of a body that is none: not comparable.
   }
 }
 
-void ShapeError::take(const ViewMesh& mesh, const shape_t& shape, const ViewMesh& truth_mesh,
-                      const shape_t& truth) {
+void ShapeError::take(const shape_mesh_t& mesh, const shape_t& shape,
+                      const shape_mesh_t& truth_mesh, const shape_t& truth) {
   set_meshes(mesh, truth_mesh);
   if (!points_ || shape.node_count != mesh.node_count || truth.node_count != truth_mesh.node_count)
     return;

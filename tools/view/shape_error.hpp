@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <palpate/shape_mesh_t.hpp>
 #include <palpate/shape_t.hpp>
 
 #include "tools/log/plant_truth.hpp"
-#include "tools/view/mesh_book.hpp"
 
 namespace palpate::view {
 
@@ -21,7 +21,7 @@ class ShapeError {
   };
 
   /// The last shape and truth received, each of its mesh; the same ones again have no effect.
-  void take(const ViewMesh& mesh, const shape_t& shape, const ViewMesh& truth_mesh,
+  void take(const shape_mesh_t& mesh, const shape_t& shape, const shape_mesh_t& truth_mesh,
             const shape_t& truth);
   /// Of the last shape for which the truth is known; empty before.
   const std::optional<Distances>& last() const { return last_; }
@@ -31,7 +31,7 @@ class ShapeError {
     std::int64_t session, utime;
     Eigen::Matrix3Xd nodes;  // of the estimate's mesh, m, in O
   };
-  void set_meshes(const ViewMesh& mesh, const ViewMesh& truth_mesh);
+  void set_meshes(const shape_mesh_t& mesh, const shape_mesh_t& truth_mesh);
   void compare(const Moment& shape, double part);
 
   std::int64_t hash_ = 0, truth_hash_ = 0;

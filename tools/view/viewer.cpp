@@ -135,16 +135,13 @@ void Viewer::advance(std::int64_t now_us) {
     if (playing_) log_->go_to(log_->time() + rate_ * std::clamp(passed, 0.0, kLongestStep), scene_);
     if (log_->time() >= log_->duration()) playing_ = false;
   }
-  for (const NumberedEvent& event : scene_.events()) {
-    if (event.number <= heard_events_) continue;
-    heard_events_ = event.number;
-    if (commander_) commander_->hear(event.event);
-  }
-  if (commander_) commander_->service(now_us);
+  if (daemon_) daemon_->service(now_us);
 }
 
 void Viewer::prepare(std::int64_t now_us) {
   scene_.refresh();
+  ++frames_;
+  parcels_.clear();
   if (live_) history_.sample(scene_, now_us);
   if (scene_.shape.count != painted_count_) repaint(estimate_, scene_.shape.get());
   if (scene_.truth.count != painted_truth_count_) repaint(truth_, scene_.truth.get());
@@ -174,11 +171,13 @@ void Viewer::repaint(Painted& painted, const shape_t* shape) {
 
 /// nullptr if the field cannot be computed for this shape.
 const std::vector<float>* Viewer::paint(Painted& painted, const shape_t& shape, Field field) {
+  const bool is_truth = &painted == &truth_;
+  if (field == Field::kUncertainty)
+    return is_truth || shape.deviation.empty() ? nullptr : &shape.deviation;
   std::vector<float>& values = painted.values[static_cast<std::size_t>(field)];
   if (painted.done.count(field) > 0) return values.empty() ? nullptr : &values;
   values.clear();
   painted.done.insert(field);
-  const bool is_truth = &painted == &truth_;
   const bool has_elements = painted.evaluator->has_elements();
   switch (field) {
     case Field::kDisplacement:
@@ -201,7 +200,6 @@ const std::vector<float>* Viewer::paint(Painted& painted, const shape_t& shape, 
       break;
     }
     case Field::kUncertainty:
-      if (!is_truth) values = shape.deviation;
       break;
   }
   return values.empty() ? nullptr : &values;
@@ -213,7 +211,7 @@ std::string Viewer::greeting(std::int64_t now_us) const {
   json hello = {{"type", "hello"},
                 {"version", PALPATE_VERSION},
                 {"mode", log_ ? "log" : "live"},
-                {"control", options_.control && commander_ != nullptr},
+                {"control", options_.control && daemon_ != nullptr},
                 {"max_force", options_.max_force},
                 {"slots", describe_slots()},
                 {"configured", describe_configured(options_.cell.configured)},
@@ -232,7 +230,8 @@ std::string Viewer::greeting(std::int64_t now_us) const {
 void Viewer::add_meshes(Client& client, Delivery& delivery) const {
   const auto add = [&](const Painted& painted, const char* role, std::int64_t& sent) {
     if (!painted.evaluator || sent == painted.hash) return;
-    delivery.parcels.push_back(encode_mesh(role, painted.evaluator->mesh()));
+    delivery.parcels.push_back(
+        std::make_shared<const std::string>(encode_mesh(role, painted.evaluator->mesh())));
     sent = painted.hash;
   };
   add(estimate_, "estimate", client.mesh);
@@ -250,12 +249,17 @@ Delivery Viewer::deliver(Client& client, std::int64_t now_us) {
   if (!events.empty() || reset)
     delivery.texts.push_back(dump({{"type", "events"}, {"reset", reset}, {"events", events}}));
   add_meshes(client, delivery);
-  delivery.frame = ++frames_;
-  delivery.parcels.push_back(frame(client, now_us));
+  delivery.frame = frames_;
+  const bool with_health = client.health != scene_.health.count;
+  client.health = scene_.health.count;
+  auto& parcel = parcels_[{client.field, with_health}];
+  if (!parcel)
+    parcel = std::make_shared<const std::string>(frame(client.field, with_health, now_us));
+  delivery.parcels.push_back(parcel);
   return delivery;
 }
 
-json Viewer::state(Client& client, std::int64_t now_us) {
+json Viewer::state(bool with_health, std::int64_t now_us) const {
   const std::int64_t shown_us =
       log_ ? log_->begin_us() + static_cast<std::int64_t>(log_->time() * 1e6) : now_us;
   json head = {{"type", "frame"}, {"frame", frames_}, {"time_us", shown_us}};
@@ -281,8 +285,7 @@ json Viewer::state(Client& client, std::int64_t now_us) {
     head["twist"] = {{"valid", m->valid == 1}, {"twist", m->twist}};
   if (const auto* m = scene_.health.get()) {
     head["health_age_ms"] = age(scene_.health);
-    if (client.health != scene_.health.count) head["health"] = to_json(*m);
-    client.health = scene_.health.count;
+    if (with_health) head["health"] = to_json(*m);
   }
   constexpr double kOld = 1000;  // ms
   if (const auto& error = shape_error_.last();
@@ -307,42 +310,41 @@ json Viewer::state(Client& client, std::int64_t now_us) {
   return head;
 }
 
-std::string Viewer::frame(Client& client, std::int64_t now_us) {
-  json head = state(client, now_us);
+std::string Viewer::frame(Field field, bool with_health, std::int64_t now_us) {
+  json head = state(with_health, now_us);
   const shape_t* shape = scene_.shape.get();
   const shape_t* truth = scene_.truth.get();
   const bool has_shape =
       shape && estimate_.evaluator && shape->node_count == estimate_.evaluator->mesh().node_count;
   const bool has_truth =
       truth && truth_.evaluator && truth->node_count == truth_.evaluator->mesh().node_count;
-  head["field"] = name(client.field);
+  head["field"] = name(field);
   if (has_shape) head["mesh"] = hash_text(estimate_.hash);
   if (has_truth) head["truth_mesh"] = hash_text(truth_.hash);
   Parcel parcel(std::move(head));
   if (has_shape) {
     parcel.add("x", shape->xyz);
-    if (const auto* values = paint(estimate_, *shape, client.field)) parcel.add("values", *values);
+    if (const auto* values = paint(estimate_, *shape, field)) parcel.add("values", *values);
   }
   if (has_truth) {
     parcel.add("truth_x", truth->xyz);
-    if (const auto* values = paint(truth_, *truth, client.field))
-      parcel.add("truth_values", *values);
+    if (const auto* values = paint(truth_, *truth, field)) parcel.add("truth_values", *values);
   }
+  std::array<std::vector<float>, 2> links;  // until the parcel is finished
   for (std::size_t arm = 0; arm < options_.cell.robots.size(); ++arm) {
     const robot_state_t* robot = scene_.robot[arm].get();
     if (!robot) continue;
     const hand_state_t* hand = scene_.hand[arm].get();
     const PlacedRobot& placed = *options_.cell.robots[arm];
-    std::vector<float> poses;
     placed.drawing.place(placed.X_OW, robot->q, robot->joint_count, hand ? hand->q : nullptr,
-                         hand ? hand->joint_count : 0, poses);
-    parcel.add(arm == 0 ? "links" : "links_1", poses);
+                         hand ? hand->joint_count : 0, links[arm]);
+    parcel.add(arm == 0 ? "links" : "links_1", links[arm]);
   }
+  std::vector<float> points;
   if (const auto* seen = scene_.observation.get();
       seen && seen->count > 0 && options_.cell.X_WO &&
       (log_ || now_us - scene_.observation.time_us < 1'000'000)) {
     const math::Pose X_OW = options_.cell.X_WO->inverse();
-    std::vector<float> points;
     for (int i = 0; i < seen->count; ++i) {
       const Eigen::Vector3d p = X_OW * Eigen::Vector3f::Map(seen->points[i]).cast<double>();
       for (const double c : {p.x(), p.y(), p.z()}) points.push_back(static_cast<float>(c));

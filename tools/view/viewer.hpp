@@ -3,14 +3,15 @@
 #include <array>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "rt/client/client.hpp"
 #include "tools/view/access.hpp"
 #include "tools/view/cell.hpp"
-#include "tools/view/commander.hpp"
 #include "tools/view/encode.hpp"
 #include "tools/view/live_source.hpp"
 #include "tools/view/log_source.hpp"
@@ -35,8 +36,8 @@ struct Client {
 /// Data that may be sent to a page at once.
 struct Delivery {
   std::vector<std::string> texts;
-  std::vector<std::string> parcels;  // meshes first, then the frame
-  std::int64_t frame = 0;            // its number
+  std::vector<std::shared_ptr<const std::string>> parcels;  // meshes first, then the frame
+  std::int64_t frame = 0;                                   // its number
 };
 
 /// The last two minutes of the plotted values, which a newly connected page receives first.
@@ -73,7 +74,7 @@ class Viewer {
   void show_live(std::unique_ptr<LiveSource> source);
   void show_log(std::unique_ptr<LogSource> source);
   /// Live and with `control`: the destination of commands.
-  void command_by(std::unique_ptr<Commander> commander) { commander_ = std::move(commander); }
+  void command_by(std::unique_ptr<client::Client> daemon) { daemon_ = std::move(daemon); }
 
   /// Receives, or plays on. `now_us`: wall clock, here and below.
   void advance(std::int64_t now_us);
@@ -101,12 +102,12 @@ class Viewer {
   void repaint(Painted& painted, const shape_t* shape);
   const std::vector<float>* paint(Painted& painted, const shape_t& shape, Field field);
   void add_meshes(Client& client, Delivery& delivery) const;
-  std::string frame(Client& client, std::int64_t now_us);
-  nlohmann::json state(Client& client, std::int64_t now_us);
+  std::string frame(Field field, bool with_health, std::int64_t now_us);
+  nlohmann::json state(bool with_health, std::int64_t now_us) const;
   void grant(Client& client, const TakeControl& request);
   bool carry_out(const std::shared_ptr<Client>& client, const Request& request,
                  std::int64_t now_us);
-  Commander::Heard answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const;
+  client::Client::Heard answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const;
   void play(const Play& request);
 
   Options options_;
@@ -115,12 +116,13 @@ class Viewer {
   History history_;
   std::unique_ptr<LiveSource> live_;
   std::unique_ptr<LogSource> log_;
-  std::unique_ptr<Commander> commander_;
-  std::int64_t heard_events_ = 0;
+  std::unique_ptr<client::Client> daemon_;
   Painted estimate_, truth_;
   ShapeError shape_error_;
   std::int64_t painted_count_ = -1, painted_truth_count_ = -1;
-  std::int64_t frames_ = 0;
+  std::int64_t frames_ = 0;  // prepared
+  /// The present frame as the pages need it: with a field, with or without HEALTH.
+  std::map<std::pair<Field, bool>, std::shared_ptr<const std::string>> parcels_;
   std::int64_t played_us_ = 0;  // wall clock of the last advance of a log
   bool playing_ = true;
   double rate_ = 1;

@@ -36,14 +36,14 @@ bool Viewer::carry_out(const std::shared_ptr<Client>& client, const Request& req
     grant(*client, *take);
     return client->wrong_tokens < kMostWrongTokens;
   } else if (const auto* command = std::get_if<Command>(&request)) {
-    commander_->ask(command->message, now_us, answer_to(client, command->id));
+    daemon_->ask(command->message, now_us, answer_to(client, command->id));
   } else if (const auto* target = std::get_if<SetTarget>(&request)) {
-    commander_->ask(target->message, now_us, answer_to(client, target->id));
+    daemon_->ask(target->message, now_us, answer_to(client, target->id));
   } else if (const auto* push = std::get_if<Push>(&request)) {
     double point[3], force[3];
     std::copy_n(push->rest_point.begin(), 3, point);
     std::copy_n(push->force.begin(), 3, force);
-    commander_->push(point, force, now_us);
+    daemon_->push(point, force, now_us);
   } else if (const auto* p = std::get_if<Play>(&request)) {
     play(*p);
   }
@@ -51,7 +51,7 @@ bool Viewer::carry_out(const std::shared_ptr<Client>& client, const Request& req
 }
 
 void Viewer::grant(Client& client, const TakeControl& request) {
-  const bool right = options_.control && commander_ && token_.is(request.token);
+  const bool right = options_.control && daemon_ && token_.is(request.token);
   client.may_control = right;
   if (options_.control && !right) ++client.wrong_tokens;
   const char* reason = right              ? ""
@@ -60,9 +60,10 @@ void Viewer::grant(Client& client, const TakeControl& request) {
   client.send_text(dump({{"type", "control"}, {"granted", right}, {"reason", reason}}));
 }
 
-Commander::Heard Viewer::answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const {
+client::Client::Heard Viewer::answer_to(const std::shared_ptr<Client>& client,
+                                        std::int64_t id) const {
   // The page may have disconnected by then.
-  return [weak = std::weak_ptr<Client>(client), id](const Commander::Answer& answer) {
+  return [weak = std::weak_ptr<Client>(client), id](const client::Answer& answer) {
     const auto to = weak.lock();
     if (!to || !to->send_text) return;
     to->send_text(dump({{"type", "answer"},

@@ -17,10 +17,10 @@ const Recording& recording() {
 Trace hurried(const char* stops, const std::vector<const char*>& goes_on, int pause) {
   Replay replay(recording());
   return replay.run(recording().stream, kTicks, [&](int tick, daemon::Now&) {
-    if (tick == kMoves && *stops != '\0') replay.user().send(stops);
+    if (tick == kMoves && *stops != '\0') replay.user().send({stops}, 0);
     if (tick == kMoves && *stops == '\0') replay.daemon().pipeline().fault("test");
     if (tick == kMoves + pause)
-      for (const char* event : goes_on) replay.user().send(event);
+      for (const char* event : goes_on) replay.user().send({event}, 0);
     return true;
   });
 }

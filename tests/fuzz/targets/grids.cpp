@@ -6,7 +6,7 @@
 #include "core/mesh/report.hpp"
 #include "core/mesh/round_mesh.hpp"
 #include "tests/fuzz/target.hpp"
-#include "tools/mesh/vtu.hpp"
+#include "tools/mesh/mesh_files.hpp"
 
 namespace palpate::fuzz {
 

@@ -41,7 +41,7 @@ mesh::MeshWithGroups read(char format, const std::string& first, const std::stri
   if (kind == 'v')
     return mesh::read_vega(
         stream, "a.veg", [&second](const std::string&) { return second; }, on_fault);
-  return {mesh::read_tetgen(stream, "a.node", other, "a.ele", on_fault), {}, {}};
+  return mesh::read_tetgen(stream, "a.node", other, "a.ele", on_fault);
 }
 
 /// A binary .msh of a box of six tetrahedra.

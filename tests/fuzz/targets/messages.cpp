@@ -3,7 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <palpate/biotac_t.hpp>
 #include <palpate/component_command_t.hpp>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/manual_force_t.hpp>
+#include <palpate/robot_state_t.hpp>
 #include <palpate/shape_observation_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/sim_tick_t.hpp>

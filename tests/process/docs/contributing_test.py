@@ -148,9 +148,9 @@ class Tasks(unittest.TestCase):
 
     def test_task_2_a_new_key(self):
         copy = Copy(self.path, {name: body for name, body in self.files(2).items() if name.endswith("pp")})
-        objects = copy.compile("palpate_registry", "rt/registry")
+        objects = copy.compile("palpate_registry", "rt/registry", whole=True)
         tests = copy.compile("unit_rt_pipeline", "tests/unit/rt/pipeline")
-        program = copy.link("unit_rt_pipeline", tests + objects)
+        program = copy.link("unit_rt_pipeline", tests + objects, without="libpalpate_registry.a")
         printed = run([program, "--gtest_filter=PipelineConfiguration.*"])
         self.assertIn("ReleaseOfTheDeadBandIsAtLeastOne", printed)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fails where documentation and programs differ.
 
-usage: docs_test.py configuration ROOT BIN    docs/configuration.md equals the output of palpate-reference
+usage: docs_test.py configuration ROOT BIN    docs/configuration.md and docs/baselines.md equal the output of palpate-reference
        docs_test.py published ROOT            docs/published_methods.md equals the output of its script
        docs_test.py keys ROOT                 and describes every key that the sources read
        docs_test.py commands ROOT BIN FILE    the commands of a guide work as described, installed
@@ -47,14 +47,16 @@ def is_printed(page, words, root):
         difference = difflib.unified_diff(text.splitlines(), printed.stdout.splitlines(), page, str(words[-1]),
                                           lineterm="")
         print("\n".join(list(difference)[:60]))
-        print(f"run: {words[-1]} > {page}")
+        print(f"run: {' '.join(map(str, words))} > {page}")
         return 1
     return 0
 
 
 def configuration(root, programs):
     studies = is_printed("docs/studies.md", [programs / "palpate-evaluate", "reference"], root)
-    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root) or studies
+    baselines = is_printed("docs/baselines.md",
+                           [programs / "palpate-reference", "--plugin", "palpate-baselines.so"], root)
+    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root) or studies or baselines
 
 
 def published(root):

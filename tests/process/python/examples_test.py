@@ -85,7 +85,7 @@ class Examples(ProcessTest):
         self.start_daemon(EXAMPLES / "bar_pushed.yaml")
         wrong = self.run_example("push_a_node.py", "--node", 100000)
         self.assertEqual(wrong.returncode, 1)
-        self.assertIn("the mesh has nodes 0 to 98", wrong.stderr)
+        self.assertIn("the mesh has nodes 0 to 524", wrong.stderr)
         absent = self.run_example("plot_shape_error.py", self.folder / "absent.log")
         self.assertEqual(absent.returncode, 1)
         self.assertIn("absent.log", absent.stderr)
@@ -124,7 +124,7 @@ class Access(ProcessTest):
             commands.get(PATIENCE)
             self.start_daemon(access__key_file=str(key))
             self.assertEqual(answer.result(PATIENCE).event, "start")
-        self.assertGreater(owner.health(PATIENCE).commands_refused, 0)
+        self.assertGreater(owner.health(PATIENCE).commands_rejected, 0)
 
 
 if __name__ == "__main__":

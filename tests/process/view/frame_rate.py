@@ -75,8 +75,9 @@ class Publisher:
         self.socket.sendto(b"LC02" + struct.pack(">I", self.sent) + channel.encode() + b"\0" + payload,
                            self.address)
 
-    def head(self, kind):
-        return struct.pack(">QqiqQ", FINGERPRINTS[kind], int(time.time() * 1e6), self.sent, 1, 4711)
+    def head(self, kind, utime=None):
+        utime = int(time.time() * 1e6) if utime is None else utime
+        return struct.pack(">QqiqQ", FINGERPRINTS[kind], utime, self.sent, 1, 4711)
 
     def send_mesh(self):
         chunks = math.ceil(max(len(self.rest), len(self.tetrahedra), len(self.triangles)) / 1000)
@@ -104,8 +105,12 @@ class Publisher:
                 self.send_estimate()
             moved = self.rest.copy()
             moved[:, 2] += 0.2 * math.sin(0.03 * cycle) * self.rest[:, 0] ** 2 / 0.5
-            payload = self.head("shape_t") + struct.pack(">iiii", 0, 0, len(moved), moved.size)
-            self.send(self.channel, payload + moved.astype(">f4").tobytes() + struct.pack(">i", 0))
+            utime, chunks = int(time.time() * 1e6), math.ceil(len(moved) / 4000)
+            for chunk in range(chunks):
+                part = moved[4000 * chunk : 4000 * (chunk + 1)]
+                payload = self.head("shape_t", utime) + struct.pack(
+                    ">iihhiii", 0, 0, chunk, chunks, len(moved), 4000 * chunk, part.size)
+                self.send(self.channel, payload + part.astype(">f4").tobytes() + struct.pack(">i", 0))
             cycle += 1
             due = max(due + 0.01, time.monotonic() - 0.05)
             time.sleep(max(0.0, due - time.monotonic()))

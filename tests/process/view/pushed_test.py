@@ -47,7 +47,7 @@ class PushedTest(unittest.TestCase):
         wait_for(lambda: cell.text("#state") == "active", "the daemon senses")
         cell.browser.execute_script("palpate.frameObject()")
         cell.next_frames()
-        rest, _ = udpm.mesh(wait_for(lambda: housekeeping.last.get("SHAPE_MESH"), "the mesh"))
+        rest, _ = wait_for(housekeeping.mesh, "the mesh")
         # Not at the end: viewing rays graze two sides at its corners.
         node = int(np.argmin(np.linalg.norm(rest - [0.4, SIDE / 2, SIDE], axis=1)))
         place = cell.project(rest[node][None])[0, :2]

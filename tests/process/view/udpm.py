@@ -25,6 +25,7 @@ class Listener:
         self.socket.settimeout(0.2)
         self.last, self.count, self.history = {}, {}, {"MANUAL_FORCE": [], "COMPONENT_EVENT": []}
         self.shapes = collections.deque(maxlen=3000)  # half a minute
+        self.mesh_chunks = {}
         self.stopped = False
         self.thread = threading.Thread(target=self.listen, daemon=True)
         self.thread.start()
@@ -44,8 +45,14 @@ class Listener:
                 self.history[channel].append((time.monotonic(), payload))
             if channel == "SHAPE":
                 self.shapes.append(payload)
+            if channel == "SHAPE_MESH":
+                self.mesh_chunks[chunk_of_mesh(payload)[0]] = payload
             self.last[channel] = payload
             self.count[channel] = self.count.get(channel, 0) + 1
+
+    def mesh(self):
+        """Rest positions and triangles of SHAPE_MESH; None until all chunks have come."""
+        return mesh([self.mesh_chunks[i] for i in sorted(self.mesh_chunks)])
 
     def stop(self):
         self.stopped = True
@@ -83,19 +90,27 @@ def numbers(data, at, kind):
 def shape(data):
     """Positions of SHAPE or TRUTH_SHAPE, n x 3, m, and the mesh's hash."""
     at = struct.calcsize(COMMON)
-    mesh_hash, _, _, _ = struct.unpack_from(">qiii", data, at)
-    xyz, _ = numbers(data, at + 20, ">f4")
+    mesh_hash, _, _, _, chunks, _, _ = struct.unpack_from(">qiihhii", data, at)
+    assert chunks == 1, "the test's shape fits one message"
+    xyz, _ = numbers(data, at + 28, ">f4")
     return xyz.astype(float).reshape(-1, 3), mesh_hash
 
 
+def chunk_of_mesh(data):
+    """Number of a chunk of SHAPE_MESH, and of all chunks."""
+    return struct.unpack_from(">hh", data, struct.calcsize(COMMON) + 12)
+
+
 def mesh(chunks):
-    """Rest positions and triangles of one complete SHAPE_MESH in a single chunk."""
-    at = struct.calcsize(COMMON)
-    _, _, _, count, _, _ = struct.unpack_from(">qihhii", chunks, at)
-    assert count == 1, "the test's mesh fits one chunk"
-    rest, at = numbers(chunks, at + 24, ">f4")
-    _, at = numbers(chunks, at + 4, ">i4")
-    triangles, at = numbers(chunks, at, ">i4")
+    """Rest positions and triangles of the chunks of one SHAPE_MESH in their order; None if some are missing."""
+    if not chunks or len(chunks) < chunk_of_mesh(chunks[0])[1]:
+        return None
+    parts = []
+    for data in chunks:
+        rest, at = numbers(data, struct.calcsize(COMMON) + 24, ">f4")
+        _, at = numbers(data, at + 4, ">i4")
+        parts.append((rest, numbers(data, at, ">i4")[0]))
+    rest, triangles = (np.concatenate(lists) for lists in zip(*parts))
     return rest.astype(float).reshape(-1, 3), triangles.reshape(-1, 3)
 
 

@@ -2,133 +2,35 @@
 
 usage: view_test.py BINARIES SOURCE [--pictures FOLDER]
 """
-import struct
 import sys
-import time
-import unittest
 
 try:
     import numpy as np
-    from cell import Cell, wait_for
+    from cell import wait_for
     from expected_picture import viridis, visible
+    from page_case import PHONE, PageCase, main
     import udpm
 except ImportError as missing:
     print(f"skipped: {missing}; tools/packaging/packages.txt names what is needed")
     sys.exit(77)
 
-WIDE, PHONE = (1280, 800), (390, 844)
-BINARIES, SOURCE, PICTURES = None, None, None
 
-
-class ViewTest(unittest.TestCase):
-    """In alphabetical order: each continues where the previous one ended."""
-
-    @classmethod
-    def setUpClass(cls):
-        try:
-            cls.cell = Cell(BINARIES, SOURCE)
-        except OSError as error:
-            raise SystemExit(f"{error}: build palpate-command, palpate-sim, palpated, palpate-view")
-        try:
-            cls.control = udpm.Listener(cls.cell.group, cls.cell.ports[0])
-            cls.housekeeping = udpm.Listener(cls.cell.group, cls.cell.ports[1])
-            cls.cell.start_simulator()
-            cls.cell.start_daemon()
-            cls.cell.start_view()
-            cls.cell.open_browser(*WIDE)
-        except Exception:
-            print(cls.cell.tail())
-            cls.cell.close()
-            raise
-
-    @classmethod
-    def tearDownClass(cls):
-        for listener in (cls.control, cls.housekeeping):
-            listener.stop()
-        cls.cell.close()
-
-    def tearDown(self):
-        outcome = self._outcome.result
-        if any(test is self for test, _ in outcome.failures + outcome.errors) and PICTURES:
-            self.cell.picture(f"{PICTURES}/failed.png")
-
-    def shape(self):
-        return udpm.shape(self.housekeeping.last["SHAPE"])[0]
-
-    def still_shape(self):
-        """Once nothing moves by more than 0.05 mm in a second."""
-        def still():
-            before = self.shape()
-            time.sleep(1)
-            now = self.shape()
-            return now if before.shape == now.shape and np.abs(now - before).max() < 5e-5 else None
-        shape = wait_for(still, "the shape comes to rest")
-        self.cell.next_frames()
-        return shape
-
-    def shown(self):
-        """Positions shown by the page: bit-identical to those of a received message."""
-        x = np.array(self.cell.js("Array.from(palpate.estimate.position.array)"))
-        heard = np.float32(x).astype(">f4").tobytes()
-        self.assertTrue(any(heard in data for data in list(self.housekeeping.shapes)),
-                        "no SHAPE held what the page shows")
-        return x.reshape(-1, 3)
-
-    def picture(self, path=None):
-        """The page's data and its pixels, while nothing moves by a third of a millimetre."""
-        def take():
-            before, pixels = self.shown(), self.cell.picture(path)
-            return (before, pixels) if np.abs(self.shown() - before).max() < 3e-4 else None
-        return wait_for(take, "a picture of something still")
-
-    def command(self, event):
-        """By the page's button, until the daemon has confirmed it."""
-        seen = len(self.housekeeping.history["COMPONENT_EVENT"])
-        self.cell.click(f'#commands [data-event="{event}"]')
-        wait_for(lambda: any(udpm.event(data)[2] == event for _, data in
-                             self.housekeeping.history["COMPONENT_EVENT"][seen:]), event)
-
-    def set_layers(self, **wanted):
-        for layer, on in wanted.items():
-            if self.cell.js(f"palpate.layers.{layer}") != on:
-                self.cell.click(f'#layers [data-layer="{layer}"]')
-        self.cell.next_frames(2)
-
+class ViewTest(PageCase):
     def test_1_loads_and_shows_the_shape(self):
         cell = self.cell
-        wait_for(lambda: cell.js("!!window.palpate && palpate.frames > 3 && palpate.truth.mesh"
-                                 " !== null && palpate.control.granted"), "the page draws")
-        self.assertEqual(cell.text("#state"), "inactive")
-        self.command("start")
-        wait_for(lambda: cell.js("palpate.estimate.mesh !== null"), "the estimate is shown")
+        self.start()
         self.assertTrue(cell.js("document.getElementById('waiting').hidden"))
         wait_for(lambda: cell.text("#state") == "active", "the page says so")
         self.assertNotIn("token", cell.js("location.href"), "and no longer stands in the address")
-        rest, triangles = udpm.mesh(wait_for(lambda: self.housekeeping.last.get("SHAPE_MESH"),
-                                             "the mesh"))
+        rest, triangles = wait_for(self.housekeeping.mesh, "the mesh")
         self.assertTrue(np.allclose(np.array(cell.js("Array.from(palpate.estimate.mesh.rest)")),
                                     rest.ravel()))
         self.assertEqual(cell.js("palpate.estimate.mesh.triangles.length"), triangles.size)
         self.assertEqual(cell.js("palpate.stage.robots.length"), 1)
 
     def test_2_moves_with_the_data(self):
-        cell = self.cell
         before = self.shown()
-        # Manual target: 50 mm upwards in O from the current feature.
-        cell.click('#pointer [data-mode="target"]')
-        value = np.array(wait_for(lambda: cell.js("palpate.frame?.feature?.value"), "a feature")[:3])
-        here, there = cell.project(np.array([value, value + [0, 0, 0.05]]))[:, :2]
-        cell.mouse("mousePressed", *here)
-        for share in np.linspace(0.2, 1, 5):
-            cell.mouse("mouseMoved", *(here + share * (there - here)))
-        cell.mouse("mouseReleased", *there)
-        wait_for(lambda: cell.js("palpate.frame?.feature?.revision >= 0"), "the target is taken")
-        target = np.array(cell.js("palpate.frame?.feature?.target")[:3])
-        # Dragged in the plane that faces the camera, which is not that of the object's z.
-        self.assertTrue(np.allclose(cell.project(target[None])[0, :2], there, atol=3))
-        wait_for(lambda: bool(np.linalg.norm(cell.js("palpate.frame?.feature?.error ?? [1]")) < 1.5e-3),
-                 "the feature reaches it")
-        cell.click('#pointer [data-mode="look"]')
+        self.drag_target()
         self.still_shape()
         self.assertGreater(np.abs(self.shown() - before).max(), 0.02, "the mesh has moved")
 
@@ -136,7 +38,7 @@ class ViewTest(unittest.TestCase):
         cell = self.cell
         cell.browser.execute_script("palpate.frameObject()")
         self.still_shape()
-        rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
+        rest, triangles = self.housekeeping.mesh()
         error = wait_for(lambda: cell.js("palpate.frame?.shape_error"), "the error of the shape")
         self.assertLess(0, error["mean"])
         self.assertLess(error["mean"], error["rms"])
@@ -144,9 +46,9 @@ class ViewTest(unittest.TestCase):
         self.assertLess(error["largest"], 0.03, "m: the estimate agrees with the simulator")
         wait_for(lambda: "mm" in cell.text("#shape-error-now"), "its numbers")
         self.assertFalse(cell.js("document.getElementById('shape-error').hidden"))
-        cell.picture(PICTURES and f"{PICTURES}/view.png")
+        cell.picture(self.pictures and f"{self.pictures}/view.png")
         self.set_layers(truth=False, robot=False, forces=False, feature=False, plain=True, lines=False)
-        shape, picture = self.picture(PICTURES and f"{PICTURES}/unlit.png")
+        shape, picture = self.picture(self.pictures and f"{self.pictures}/unlit.png")
         pixels = cell.project(shape)
         found, middle = visible(pixels, triangles)
         self.assertGreater(len(found), 20)
@@ -186,7 +88,7 @@ class ViewTest(unittest.TestCase):
         cell = self.cell
         self.still_shape()
         shape = self.shown()
-        rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
+        rest, triangles = self.housekeeping.mesh()
         pixels = cell.project(shape)
         found, middle = visible(pixels, triangles)
         # At the middle of the bar, where nothing holds it.
@@ -216,8 +118,8 @@ class ViewTest(unittest.TestCase):
         before = len(forces)
         wait_for(lambda: len(forces) > before + 3, "it is renewed while the button is held")
         self.assertIn("Pushing node", cell.text("#hint"))
-        if PICTURES:
-            cell.picture(f"{PICTURES}/push.png")
+        if self.pictures:
+            cell.picture(f"{self.pictures}/push.png")
         cell.mouse("mouseReleased", place[0], place[1] - 110)
         wait_for(lambda: not udpm.manual_force(forces[-1][1])[1].any(), "the last one is zero")
         wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the shape comes back")
@@ -249,8 +151,8 @@ class ViewTest(unittest.TestCase):
         self.assertTrue(put_in("feature", "component", "pose").startswith("refused"), "it needs three points")
         self.assertEqual(cell.js("document.querySelector('#slots select[data-slot=feature]').value"), "point",
                          "what there is")
-        if PICTURES:
-            cell.picture(f"{PICTURES}/control.png")
+        if self.pictures:
+            cell.picture(f"{self.pictures}/control.png")
         cell.next_frames()
 
     def test_5_shows_fingertips(self):
@@ -280,7 +182,7 @@ class ViewTest(unittest.TestCase):
                    "a touch is shown")
         cell.browser.execute_script("document.getElementById('electrodes').scrollIntoView({block: 'center'})")
         cell.next_frames(5)
-        picture = cell.picture(PICTURES and f"{PICTURES}/fingertip.png")
+        picture = cell.picture(self.pictures and f"{self.pictures}/fingertip.png")
         # Above the texts of each electrode's disc.
         places = cell.js(
             "(() => { const b = document.getElementById('electrodes').getBoundingClientRect(), f = palpate.fingertips;"
@@ -359,56 +261,8 @@ class ViewTest(unittest.TestCase):
                          "return [b.left, b.top, b.right, b.bottom]; })()")
         self.assertTrue((pixels[:, 0] > canvas[0]).all() and (pixels[:, 0] < canvas[2]).all(),
                         "the object lies in the picture")
-        if PICTURES:
-            cell.picture(f"{PICTURES}/phone.png")
-
-    def test_8_plays_a_recording(self):
-        cell = self.cell
-        self.assertTrue(self.record(f"{cell.folder.name}/run.log"))
-        cell.stop("palpate-view")
-        cell.start_view("--log", f"{cell.folder.name}/run.log")
-        cell.resize(*WIDE)
-        wait_for(lambda: cell.js("palpate.connected && !!palpate.frame?.player"), "the recording")
-        self.assertFalse(cell.js("document.getElementById('timeline').hidden"))
-        self.assertTrue(cell.js("document.getElementById('commands').hidden"), "nothing to command")
-        if not cell.js("palpate.frame?.player?.playing"):
-            cell.click("#play")
-        wait_for(lambda: cell.js("palpate.frame?.player?.time > 0.3"), "it plays")
-        if cell.js("palpate.frame?.player?.playing"):
-            cell.click("#play")
-        wait_for(lambda: cell.js("palpate.frame?.player?.playing === false"), "it pauses")
-        paused = cell.js("palpate.frame?.player?.time")
-        cell.next_frames()
-        self.assertEqual(cell.js("palpate.frame?.player?.time"), paused)
-        # A shape at rest is drawn once, and sharp: except for the colour scale, which may shrink
-        # once.
-        wait_for(lambda: cell.js("palpate.stage.sharpness") == 1, "a sharp picture")
-        before = cell.js("palpate.pictures")
-        cell.next_frames(10)
-        self.assertLessEqual(cell.js("palpate.pictures"), before + 1, "nothing is drawn for nothing")
-        for number in (250, 60, 199):
-            cell.browser.execute_script(
-                "const s = document.getElementById('seek'); s.value = arguments[0];"
-                "s.oninput(); s.onchange();", self.recorded[number][0] + 0.004)
-            expected = udpm.shape(self.recorded[number][1])[0]
-            wait_for(lambda: np.array_equal(
-                np.array(cell.js("Array.from(palpate.estimate.position.array)")).reshape(-1, 3),
-                expected), f"shape {number} of the recording is shown")
-        if PICTURES:
-            cell.picture(f"{PICTURES}/recording.png")
-
-    def record(self, path):
-        """An LCM event log of the last 300 shapes, 10 ms apart."""
-        wait_for(lambda: len(self.housekeeping.shapes) > 300, "enough shapes to record")
-        shapes = list(self.housekeeping.shapes)[-300:]
-        self.recorded = [(0.01 * i, data) for i, data in enumerate(shapes)]
-        with open(path, "wb") as log:
-            events = [(0, b"SHAPE_MESH", self.housekeeping.last["SHAPE_MESH"])]
-            events += [(int(1e6 * at), b"SHAPE", data) for at, data in self.recorded]
-            for number, (at, channel, data) in enumerate(events):
-                log.write(struct.pack(">IqqII", 0xEDA1DA01, number, 1_700_000_000_000_000 + at,
-                                      len(channel), len(data)) + channel + data)
-        return len(events)
+        if self.pictures:
+            cell.picture(f"{self.pictures}/phone.png")
 
     def test_9_draws_as_sharp_as_is_fluent(self):
         # By the test's own clock: [ms between frames, by sharpness] for this many s.
@@ -440,7 +294,4 @@ class ViewTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    BINARIES, SOURCE = sys.argv[1:3]
-    PICTURES = sys.argv[4] if len(sys.argv) > 4 else None
-    result = unittest.main(argv=[sys.argv[0]], exit=False, verbosity=2, failfast=True).result
-    sys.exit(not result.wasSuccessful())
+    main()

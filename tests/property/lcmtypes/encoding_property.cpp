@@ -54,20 +54,28 @@ void fill(picture_t& m) {
   fill(m.data, m.size = random_count());
 }
 
-void fill(shape_t& m) {
+template <class Shape>
+void fill_shape(Shape& m) {
   m.mesh_hash = *rc::gen::arbitrary<std::int64_t>();
   m.node_count = random_count();
   fill(m.xyz, m.xyz_count = 3 * m.node_count);
   fill(m.deviation, m.deviation_count = m.node_count);
 }
 
-void fill(shape_mesh_t& m) {
+void fill(shape_t& m) { fill_shape(m); }
+void fill(shape_v1_t& m) { fill_shape(m); }
+
+template <class Mesh>
+void fill_mesh(Mesh& m) {
   m.mesh_hash = *rc::gen::arbitrary<std::int64_t>();
   fill(m.rest_xyz, m.rest_xyz_count = random_count());
   fill(m.elements, m.element_index_count = random_count());
   fill(m.triangles, m.triangle_index_count = random_count());
   fill(m.constrained, m.constrained_count = random_count());
 }
+
+void fill(shape_mesh_t& m) { fill_mesh(m); }
+void fill(shape_mesh_v1_t& m) { fill_mesh(m); }
 
 RC_GTEST_PROP(LcmTypes, DecodeAfterEncodeIsIdentity, ()) {
   for_each_fixed_size_type([](auto type) {

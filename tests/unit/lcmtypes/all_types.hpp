@@ -11,15 +11,18 @@
 #include <palpate/hand_command_t.hpp>
 #include <palpate/hand_state_t.hpp>
 #include <palpate/health_t.hpp>
+#include <palpate/health_v1_t.hpp>
 #include <palpate/imu_t.hpp>
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/manual_force_t.hpp>
 #include <palpate/picture_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_mesh_v1_t.hpp>
 #include <palpate/shape_observation_t.hpp>
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
+#include <palpate/shape_v1_t.hpp>
 #include <palpate/sim_tick_t.hpp>
 #include <palpate/tick_done_t.hpp>
 #include <palpate/truth_contact_t.hpp>
@@ -44,6 +47,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(hand_command_t{});
   visit(hand_state_t{});
   visit(health_t{});
+  visit(health_v1_t{});
   visit(imu_t{});
   visit(joint_velocity_command_t{});
   visit(manual_force_t{});
@@ -63,7 +67,9 @@ template <typename Visit>
 void for_each_variable_size_type(Visit visit) {
   visit(picture_t{});
   visit(shape_mesh_t{});
+  visit(shape_mesh_v1_t{});
   visit(shape_t{});
+  visit(shape_v1_t{});
 }
 
 }  // namespace palpate

@@ -15,8 +15,8 @@
 namespace palpate {
 namespace {
 
-// A type must never change: recorded logs and other programs depend on it. To add a field, define a
-// type of a new name and add it here.
+// A type must never change: recorded logs and other programs depend on it. To change NAME_t, keep
+// it as NAME_v1_t (v2, ...), convert it in tools/log/former_types.cpp, and list both here.
 const std::map<std::string, std::uint64_t> kFingerprints = {
     {"biotac_t", 0x899d567d1460611d},
     {"component_command_t", 0xfed930ff6db67de2},
@@ -28,16 +28,19 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"ft_wrench_t", 0x9b49e504acb98a29},
     {"hand_command_t", 0x628acb59069e93ad},
     {"hand_state_t", 0x84fa12702593254e},
-    {"health_t", 0x920d206a9e87f31c},
+    {"health_t", 0xb788c9f8763f3fc1},
+    {"health_v1_t", 0x920d206a9e87f31c},
     {"imu_t", 0xe923169b4e838cb5},
     {"joint_velocity_command_t", 0xc9f58126e7f327c4},
     {"manual_force_t", 0x656fbfeab7f85232},
     {"picture_t", 0x7681bbd02f87a9e4},
     {"robot_state_t", 0xf807c166e5654f41},
-    {"shape_mesh_t", 0x84e15fc0554b33a1},
+    {"shape_mesh_t", 0x612366e6c632b951},
+    {"shape_mesh_v1_t", 0x84e15fc0554b33a1},
     {"shape_observation_t", 0xa041042241a6c428},
-    {"shape_t", 0x97b9268b0352c0c7},
+    {"shape_t", 0xb9cb4ea61ff41833},
     {"shape_target_t", 0x54683987e3acef3e},
+    {"shape_v1_t", 0x97b9268b0352c0c7},
     {"sim_tick_t", 0x522bb656c829fa02},
     {"tick_done_t", 0xa9d321bb3d3be9ab},
     {"truth_contact_t", 0x779c317d534d90e5},

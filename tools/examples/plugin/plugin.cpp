@@ -1,5 +1,5 @@
-// A library of a user's own components for palpated, one for each slot. README.md describes how it
-// is built and loaded.
+// A library of a user's own components for palpated, one for each slot, and a Jacobian provider.
+// README.md describes how it is built and loaded.
 
 #include "rt/plugin/plugin.hpp"
 
@@ -9,6 +9,7 @@
 #include "midpoint_feature.hpp"
 #include "nearest_nodes.hpp"
 #include "smoothed_hand.hpp"
+#include "smoothed_jacobian.hpp"
 
 namespace {
 
@@ -37,5 +38,10 @@ PALPATE_PLUGIN(registrar) {
   registrar.estimators.add("smoothed_hand", SmoothedHand::table(), make<SmoothedHand>);
   registrar.deformation_models.add("blended", BlendedModel::table(), make_for<BlendedModel>);
   registrar.features.add("midpoint", MidpointFeature::table(), make_for<MidpointFeature>);
+  registrar.jacobian_providers.add(
+      "smoothed_fem", SmoothedJacobian::table(),
+      [](const SmoothedJacobian::Options& options, const PluginCell& cell) {
+        return std::make_unique<SmoothedJacobian>(options, cell);
+      });
   registrar.control_laws.add("integral_twist", IntegralLaw::table(), make<IntegralLaw>);
 }

@@ -110,9 +110,6 @@ class Beam final : public Experiment {
     model_ = std::make_unique<BeamModel>(std::move(shape));
   }
 
-  const std::string& name() const override { return name_; }
-  const std::vector<Series>& series() const override { return series_; }
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
   std::string material() const override { return "neo_hookean"; }
 
   bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
@@ -173,10 +170,7 @@ class Beam final : public Experiment {
     const config::Node deviations =
         node.child_or_empty({"deviations", "", "standard, of a marker's place"});
 
-    Series at_rest;
-    at_rest.quantity = "rest_displacement";
-    at_rest.unit = "m";
-    at_rest.abscissa = "coordinate";
+    Series at_rest{"rest_displacement", "m", "coordinate", ""};
     at_rest.x.setLinSpaced(static_cast<Eigen::Index>(3 * all.size()), 0,
                            3. * static_cast<double>(all.size()) - 1);
     at_rest.measured.resize(at_rest.x.size());
@@ -192,11 +186,7 @@ class Beam final : public Experiment {
       }
     }
 
-    Series swing;
-    swing.quantity = "swing";
-    swing.unit = "m";
-    swing.abscissa = "time";
-    swing.abscissa_unit = "s";
+    Series swing{"swing", "m", "time", "s"};
     swing.deviation = read_quantity(deviations, {"swing", "", "in the oscillation"},
                                     Dimension::kLength, {1e-9, 1}, 1e-3);
     std::vector<double> times, heights;
@@ -254,11 +244,8 @@ class Beam final : public Experiment {
               (size.x() * size.x()) * size.z() / 2;
   }
 
-  std::string name_;
   std::vector<Marker> markers_;
   double step_ = 0, strain_ = 0;
-  std::vector<Series> series_;
-  std::vector<Parameter> parameters_;
   std::unique_ptr<BeamModel> model_;
 };
 

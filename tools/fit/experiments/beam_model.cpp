@@ -1,6 +1,7 @@
 #include "tools/fit/experiments/beam_model.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -24,16 +25,9 @@ constexpr int kSolved[] = {kYoung,    kPoisson,  kDensity,  kMassDamping, kStiff
                            kTilt + 0, kTilt + 1, kTilt + 2, kHeldSag};
 
 mesh::GridPlanes planes(const BeamShape& shape) {
-  mesh::GridPlanes result;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(shape.size[axis] > 0) || shape.cells[axis] < 1) {
-      throw std::invalid_argument("a beam needs a positive size and at least one cell each way");
-    }
-    for (int k = 0; k <= shape.cells[axis]; ++k) {
-      result[axis].push_back(shape.corner[axis] + shape.size[axis] * k / shape.cells[axis]);
-    }
-  }
-  return result;
+  if (!(shape.size.minCoeff() > 0) || *std::min_element(shape.cells.begin(), shape.cells.end()) < 1)
+    throw std::invalid_argument("a beam needs a positive size and at least one cell each way");
+  return mesh::even_planes(shape.corner, shape.size, shape.cells);
 }
 
 /// Nodal shares of a load distributed uniformly along the upper edge of the free end.

@@ -23,7 +23,7 @@ std::optional<Constants> find_constants(const Fit& fit, const solid::StrainEnerg
   for (std::size_t i = 0; i < energy.constants().size(); ++i) {
     const Estimate* const estimate = fit.find(energy.constants()[i].name);
     if (!estimate) return std::nullopt;
-    result.values[static_cast<Index>(i)] = estimate->value;
+    result.values[i] = estimate->value;
     result.parameters.push_back(static_cast<int>(estimate - fit.uncertainty.estimates.data()));
   }
   return result;

@@ -63,9 +63,6 @@ class Membrane final : public Experiment {
                    {"foundation_grip", "m", 1e-3, 1e-5, 1, true}};
   }
 
-  const std::string& name() const override { return name_; }
-  const std::vector<Series>& series() const override { return series_; }
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
   std::string material() const override { return "fung_membrane"; }
 
   bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
@@ -227,19 +224,11 @@ class Membrane final : public Experiment {
   void read_series(const config::Node& deviations) {
     const auto points = static_cast<Eigen::Index>(places_.size());
     const auto frames = static_cast<Eigen::Index>(frames_.size());
-    Series field;
-    field.quantity = "field_displacement";
-    field.unit = "m";
-    field.abscissa = "frame";
-    field.measured = measured_;
+    Series field{"field_displacement", "m", "frame", "", {}, measured_};
     field.x.resize(measured_.size());
     field.deviation =
         read_quantity(deviations, {"field", "", "of a point"}, Dimension::kLength, {1e-9, 1}, 2e-5);
-    Series force;
-    force.quantity = "pad_force";
-    force.unit = "N";
-    force.abscissa = "pad_displacement";
-    force.abscissa_unit = "m";
+    Series force{"pad_force", "N", "pad_displacement", "m"};
     force.x.resize(frames);
     force.measured.resize(frames);
     force.deviation = read_quantity(deviations, {"force", "", "of the pad"}, Dimension::kForce,
@@ -256,14 +245,11 @@ class Membrane final : public Experiment {
     series_ = {field, force};
   }
 
-  std::string name_;
   std::vector<Frame> frames_;
   Eigen::Index last_fitted_ = -1;  // among frames_
   std::unique_ptr<SolidMembrane> membrane_;
   std::vector<SolidMembrane::Place> places_;
   Eigen::VectorXd measured_;
-  std::vector<Series> series_;
-  std::vector<Parameter> parameters_;
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ class Uniaxial final : public Experiment {
         material_(solid::StrainEnergy::make(node.choice({"model", "", "law of the material"},
                                                         solid::StrainEnergy::names(), "linear"))),
         sign_(data_.is_compression ? -1 : 1) {
+    name_ = data_.name;
     const bool is_viscous = is_free(node, {"viscosity", "", "a part that goes with the rate"});
     const bool is_relaxing = is_free(node, {"relaxation", "", "a part that fades with time"});
     has_history_ = is_viscous || is_relaxing;
@@ -38,14 +39,11 @@ class Uniaxial final : public Experiment {
       node.fail("viscosity",
                 "and relaxation need a column `time`, and cycles that are not averaged");
     for (Index i = 0; i < data_.strain.size(); ++i)
-      if (has_history_ || data_.is_used[static_cast<std::size_t>(i)]) rows_.push_back(i);
+      if (has_history_ || data_.is_used[i]) rows_.push_back(i);
     make_series();
     make_parameters(node);
   }
 
-  const std::string& name() const override { return data_.name; }
-  const std::vector<Series>& series() const override { return series_; }
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
   std::string material() const override { return material_->name(); }
   std::array<double, 2> strain_range() const override { return strain_range_; }
 
@@ -66,8 +64,8 @@ class Uniaxial final : public Experiment {
     const double scale = sign_ * data_.area, rest_width = parameters[width_];
     Index to = 0, width_to = load_count;
     for (Index k = 0; k < rows; ++k) {
-      const Index row = rows_[static_cast<std::size_t>(k)];
-      if (!data_.is_used[static_cast<std::size_t>(row)]) continue;
+      const Index row = rows_[k];
+      if (!data_.is_used[row]) continue;
       prediction[to] = scale * total.stress[k] + parameters[bias_];
       if (jacobian) {
         jacobian->row(to) = scale * total.by_parameter.row(k);
@@ -87,42 +85,36 @@ class Uniaxial final : public Experiment {
 
  private:
   void make_series() {
-    Series load;
-    load.quantity = data_.is_stress ? "stress" : "force";
-    load.unit = data_.is_stress ? "Pa" : "N";
-    load.abscissa = "strain";
+    Series load{data_.is_stress ? "stress" : "force", data_.is_stress ? "Pa" : "N", "strain", ""};
     std::vector<Index> used;
     for (Index i = 0; i < data_.strain.size(); ++i)
-      if (data_.is_used[static_cast<std::size_t>(i)]) used.push_back(i);
+      if (data_.is_used[i]) used.push_back(i);
     const auto n = static_cast<Index>(used.size());
     load.x.resize(n);
     load.measured.resize(n);
     load.is_held_out.resize(used.size());
     load.deviation = data_.load_deviation;
     for (Index k = 0; k < n; ++k) {
-      const Index i = used[static_cast<std::size_t>(k)];
+      const Index i = used[k];
       load.x[k] = data_.strain[i];
       load.measured[k] = data_.load[i];
-      const bool is_held = data_.is_held_out[static_cast<std::size_t>(i)];
-      load.is_held_out[static_cast<std::size_t>(k)] = is_held;
+      const bool is_held = data_.is_held_out[i];
+      load.is_held_out[k] = is_held;
       if (is_held) continue;
       strain_range_[0] = std::min(strain_range_[0], sign_ * data_.strain[i]);
       strain_range_[1] = std::max(strain_range_[1], sign_ * data_.strain[i]);
     }
     series_.push_back(load);
     if (data_.width.size() == 0) return;
-    Series width;
-    width.quantity = "width";
-    width.unit = "m";
-    width.abscissa = "strain";
+    Series width{"width", "m", "strain", ""};
     width.deviation = data_.width_deviation;
     std::vector<double> x, measured;
     for (Index k = 0; k < n; ++k) {
-      const double seen = data_.width[used[static_cast<std::size_t>(k)]];
+      const double seen = data_.width[used[k]];
       if (!std::isfinite(seen)) continue;
       x.push_back(load.x[k]);
       measured.push_back(seen);
-      width.is_held_out.push_back(load.is_held_out[static_cast<std::size_t>(k)]);
+      width.is_held_out.push_back(load.is_held_out[k]);
     }
     width.x = Eigen::Map<VectorXd>(x.data(), static_cast<Index>(x.size()));
     width.measured = Eigen::Map<VectorXd>(measured.data(), static_cast<Index>(x.size()));
@@ -234,8 +226,6 @@ class Uniaxial final : public Experiment {
   double sign_;
   bool has_history_ = false, has_contact_ = false;
   std::vector<Index> rows_;  // of the data, that are worked on
-  std::vector<Series> series_;
-  std::vector<Parameter> parameters_;
   std::array<double, 2> strain_range_{};
   // Indices in parameters_; -1: absent. Without a width the column is arbitrary, as it is not used.
   Index offset_ = 0, bias_ = 0, width_ = 0, viscosity_ = -1, ratio_ = -1, relaxation_time_ = -1;

@@ -98,7 +98,7 @@ void check(const Recording& recording, const UniaxialData& data) {
 template <class Values>
 Values taken(const Values& values, const std::vector<Index>& rows) {
   Values result(rows.size());
-  for (std::size_t k = 0; k < rows.size(); ++k) result[static_cast<Index>(k)] = values[rows[k]];
+  for (std::size_t k = 0; k < rows.size(); ++k) result[k] = values[rows[k]];
   return result;
 }
 
@@ -164,7 +164,7 @@ void treat_cycles(const config::Node& node, const Recording& recording, Uniaxial
     data.is_used.assign(static_cast<std::size_t>(points), true);
     return;
   }
-  for (Index i = 0; i < first; ++i) data.is_used[static_cast<std::size_t>(i)] = false;
+  for (Index i = 0; i < first; ++i) data.is_used[i] = false;
 }
 
 }  // namespace
@@ -223,7 +223,7 @@ UniaxialData read_uniaxial(const config::Node& node, const std::filesystem::path
   if (data.is_held_out.empty()) data.is_held_out.assign(data.is_used.size(), false);
   Index seen = 0;
   for (Index i = 0; i < data.width.size(); ++i)
-    seen += data.is_used[static_cast<std::size_t>(i)] && std::isfinite(data.width[i]) ? 1 : 0;
+    seen += data.is_used[i] && std::isfinite(data.width[i]) ? 1 : 0;
   if (data.width.size() > 0 && seen < kLeastRows)
     recording.fail("the video saw fewer than 4 of the samples; check its clock, or leave it out");
   const double range = data.load.maxCoeff() - data.load.minCoeff();

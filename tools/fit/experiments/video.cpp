@@ -127,8 +127,7 @@ bool find_shift(const VectorXd& time, const VectorXd& strain, const VectorXd& ot
     std::vector<double> differences;
     for (std::size_t k = 0; k < ours.size(); ++k) {
       const int j = static_cast<int>(k) + skip;
-      if (j >= 0 && j < static_cast<int>(theirs.size()))
-        differences.push_back(ours[k] - theirs[static_cast<std::size_t>(j)]);
+      if (j >= 0 && j < static_cast<int>(theirs.size())) differences.push_back(ours[k] - theirs[j]);
     }
     if (static_cast<int>(differences.size()) < kLeastPairs) continue;
     std::sort(differences.begin(), differences.end());

@@ -1,6 +1,6 @@
 #include "tools/fit/held/held_cell.hpp"
 
-#include "rt/registry/sensor_keys.hpp"
+#include "rt/registry/sensors.hpp"
 
 namespace palpate::fit {
 

@@ -105,7 +105,7 @@ std::vector<HeldRinging> read_ringings(const std::string& log, const CalmRule& r
 
 HeldDecay::HeldDecay(std::string name, const HeldCell& cell, std::vector<HeldRinging> ringings,
                      const HeldDecayOptions& options)
-    : name_(std::move(name)),
+    : Experiment(std::move(name)),
       ringings_(std::move(ringings)),
       options_(options),
       young_(cell.object.body.material.young_modulus),
@@ -223,14 +223,12 @@ double HeldDecay::fit_amplitudes(VectorXd& parameters) const {
 void HeldDecay::scan() {
   const auto is_silent = [](const HeldRinging& ringing) { return ringing.readings.isZero(0); };
   if (std::all_of(ringings_.begin(), ringings_.end(), is_silent)) return;
-  VectorXd start(parameters_.size());
-  for (std::size_t k = 0; k < parameters_.size(); ++k) start[k] = parameters_[k].start;
-  VectorXd best = start;
+  VectorXd best = start();
   double least = 1e301;
   const double slowest = stops_[0].frequencies[0];
   for (double factor = 0.3; factor < 3.3; factor *= 1.02) {
     for (double ratio : {0.01, 0.03, 0.1}) {
-      VectorXd p = start;
+      VectorXd p = start();
       p[kYoung] *= factor;
       const double decay = 2 * ratio * slowest * std::sqrt(factor);
       if (options_.mass_damping) {
@@ -253,7 +251,7 @@ void HeldDecay::scan() {
 
 /// With q = 0 and q' at the stop, P (q + stiffness_damping q').
 VectorXd HeldDecay::after_stop(VectorXd p, int index, const math::Vector6d& twist) const {
-  const Stop& stop = stops_[static_cast<std::size_t>(index)];
+  const Stop& stop = stops_[index];
   const double share = std::sqrt(p[kYoung] / young_ * density_ / p[kDensity]);
   for (int i = 0; i < options_.modes; ++i) {
     const double omega = share * stop.frequencies[i];
@@ -267,10 +265,8 @@ VectorXd HeldDecay::after_stop(VectorXd p, int index, const math::Vector6d& twis
 }
 
 bool HeldDecay::predict(const VectorXd& p, VectorXd& prediction, MatrixXd* jacobian) const {
-  Eigen::Index rows = 0;
-  for (const Series& series : series_) rows += series.x.size();
-  prediction.setZero(rows);
-  if (jacobian) jacobian->setZero(rows, p.size());
+  prediction.setZero(sample_count());
+  if (jacobian) jacobian->setZero(sample_count(), p.size());
   const double share = std::sqrt(p[kYoung] / young_ * density_ / p[kDensity]);
   for (std::size_t j = 0; j < stops_.size(); ++j) {
     const Stop& stop = stops_[j];

@@ -47,9 +47,6 @@ class HeldDecay final : public Experiment {
   HeldDecay(std::string name, const HeldCell& cell, std::vector<HeldRinging> ringings,
             const HeldDecayOptions& options = {});
 
-  const std::string& name() const override { return name_; }
-  const std::vector<Series>& series() const override { return series_; }
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
   /// False if a mode would be overdamped.
   bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
                Eigen::MatrixXd* jacobian) const override;
@@ -79,12 +76,9 @@ class HeldDecay final : public Experiment {
   void scan();
   double fit_amplitudes(Eigen::VectorXd& parameters) const;
 
-  std::string name_;
   std::vector<HeldRinging> ringings_;
   HeldDecayOptions options_;
   std::vector<Stop> stops_;
-  std::vector<Series> series_;
-  std::vector<Parameter> parameters_;
   double young_ = 1, density_ = 1;  // for which the modes were computed
 };
 

@@ -87,7 +87,7 @@ HeldModes find_modes(const elasticity::Body& body, const math::Pose& X_OG,
   elasticity::Snapshot snapshot;
   snapshot.positions = at;
   snapshot.held = kHand;
-  snapshot.origins[0] = X_OG.translation();
+  snapshot.grasps[0] = X_OG;
   snapshot.loads.setZero(3, body.mesh.node_count());
   snapshot.gravity_O = body.gravity_O;
   elasticity::Sensitivity response;

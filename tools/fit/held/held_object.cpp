@@ -53,7 +53,7 @@ struct HeldObject::Equilibrium {
 
 HeldObject::HeldObject(std::string name, HeldCell cell, HeldRecording recording,
                        HeldOptions options)
-    : name_(std::move(name)),
+    : Experiment(std::move(name)),
       cell_(std::move(cell)),
       recording_(std::move(recording)),
       options_(std::move(options)) {
@@ -174,9 +174,7 @@ math::Pose HeldObject::grasp(const State& state, const math::Pose& X_WE) const {
 }
 
 void HeldObject::follow_hand() {
-  Eigen::VectorXd start(parameters_.size());
-  for (std::size_t k = 0; k < parameters_.size(); ++k) start[k] = parameters_[k].start;
-  const State at_start = state(start);
+  const State at_start = state(start());
   elasticity::StaticSolver solver(at_start.body);
   const Matrix3Xd no_loads = Matrix3Xd::Zero(3, at_start.body.mesh.node_count());
   elasticity::StaticOptions options;
@@ -228,10 +226,8 @@ bool HeldObject::solve(elasticity::StaticSolver& solver, const State& state, int
 bool HeldObject::predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
                          Eigen::MatrixXd* jacobian) const {
   const State at = state(parameters);
-  Eigen::Index rows = 0;
-  for (const Series& series : series_) rows += series.x.size();
-  prediction.resize(rows);
-  if (jacobian) jacobian->setZero(rows, static_cast<Eigen::Index>(parameters_.size()));
+  prediction.resize(sample_count());
+  if (jacobian) jacobian->setZero(sample_count(), static_cast<Eigen::Index>(parameters_.size()));
   elasticity::StaticSolver solver(at.body);
   Equilibrium found;
   for (int i = 0; i < samples(); ++i) {

@@ -46,9 +46,6 @@ class HeldObject final : public Experiment {
   /// markers are named.
   HeldObject(std::string name, HeldCell cell, HeldRecording recording, HeldOptions options = {});
 
-  const std::string& name() const override { return name_; }
-  const std::vector<Series>& series() const override { return series_; }
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
   bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
                Eigen::MatrixXd* jacobian) const override;
 
@@ -75,12 +72,9 @@ class HeldObject final : public Experiment {
   static constexpr int kMaterial = 3;  // first columns, in the order of Sensitivity::Parameter
   int samples() const { return static_cast<int>(recording_.samples.size()); }
 
-  std::string name_;
   HeldCell cell_;
   HeldRecording recording_;
   HeldOptions options_;
-  std::vector<Parameter> parameters_;
-  std::vector<Series> series_;
   int grasp_ = -1, bias_ = -1, mass_ = -1;  // first columns, -1: not identified
   std::vector<mesh::PointWeights> markers_;
   std::vector<Eigen::Matrix3Xd> seen_;    // by sample, in O

@@ -18,15 +18,16 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using math::kPi;
 
-constexpr char kAxes[] = "xyz";
+constexpr char kAxisLetters[] = "xyz";
 
 std::string describe(const math::Vector6d& motion) {
   std::string text;
   for (int k = 0; k < 6; ++k) {
     if (motion[k] == 0) continue;
     text += text.empty() ? "" : ", ";
-    text += k < 3 ? common::formatted("%c %+.3g mm", kAxes[k], 1e3 * motion[k])
-                  : common::formatted("turn %c %+.3g deg", kAxes[k - 3], 180 / kPi * motion[k]);
+    text +=
+        k < 3 ? common::formatted("%c %+.3g mm", kAxisLetters[k], 1e3 * motion[k])
+              : common::formatted("turn %c %+.3g deg", kAxisLetters[k - 3], 180 / kPi * motion[k]);
   }
   return text.empty() ? "hold still" : text;
 }
@@ -123,9 +124,7 @@ void look_at_rest(const HeldCell& cell, const control::GateLimits& limits,
   free_hand.hand = {};
   try {
     const HeldObject object("plan", free_hand, recording, held);
-    VectorXd p(object.parameters().size());
-    for (Eigen::Index k = 0; k < p.size(); ++k) p[k] = object.parameters()[k].start;
-    if (!object.predict(p, reading, &J)) throw std::invalid_argument("");
+    if (!object.predict(object.start(), reading, &J)) throw std::invalid_argument("");
   } catch (const std::invalid_argument&) {
     candidate.refusal = "has no stable equilibrium";
     return;
@@ -171,9 +170,7 @@ void look_at_ringing(const HeldCell& cell, const HeldPlanOptions& options, const
   int first = 0;
   try {
     const HeldDecay decay("plan", believed, {ringing}, {kModes, true, true, true});
-    VectorXd p(decay.parameters().size());
-    for (Eigen::Index k = 0; k < p.size(); ++k) p[k] = decay.parameters()[k].start;
-    p = decay.after_stop(p, 0, candidate.motion.stop);
+    const VectorXd p = decay.after_stop(decay.start(), 0, candidate.motion.stop);
     if (!decay.predict(p, reading, &J)) throw std::invalid_argument("");
     first = decay.first_parameter(0);
   } catch (const std::invalid_argument&) {
@@ -271,8 +268,8 @@ std::vector<HandMotion> candidate_motions(const HeldCell& cell, const HeldPlanOp
   for (int axis = 0; axis < 3; ++axis) {
     HandMotion motion;
     motion.stop[axis] = options.speed;
-    motion.name =
-        common::formatted("stop from %c %+.3g m/s and let it ring", kAxes[axis], options.speed);
+    motion.name = common::formatted("stop from %c %+.3g m/s and let it ring", kAxisLetters[axis],
+                                    options.speed);
     motions.push_back(motion);
   }
   return motions;

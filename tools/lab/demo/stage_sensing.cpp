@@ -114,10 +114,10 @@ Replay start_replay(const Demo& demo, const SensingRun& live, const runs::Method
 }
 
 void finish_replay(Replay& replay, common::Progress& progress) {
-  const std::int64_t begin = runs::wall_clock();
+  const std::int64_t begin = bus::wall_clock_us();
   while (!replay.process->wait(0.05)) {
     common::throw_if_interrupted();
-    const double elapsed = static_cast<double>(runs::wall_clock() - begin) * 1e-6;
+    const double elapsed = static_cast<double>(bus::wall_clock_us() - begin) * 1e-6;
     if (elapsed > kReplayPatience) throw runs::RunFailed("palpate-replay takes too long");
     progress.show(elapsed / kReplayPatience);
   }

@@ -91,12 +91,12 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   plan.overrides.insert(plan.overrides.end(), options.overrides.begin(), options.overrides.end());
   plan.recorded = false;
   runs::LiveRun run(plan, folder);
-  run.user().set_target(targets[0]);
-  run.user().spin(2);
+  run.set_target(targets[0]);
+  run.spin(2);
 
   const std::filesystem::path histogram = folder / "cyclictest.txt";
   const auto [all_before, stolen_before] = processor_times();
-  const health_t before = *run.user().health();
+  const health_t before = *run.client().health();
   const std::string seconds = std::to_string(std::lround(options.seconds));
   std::optional<common::Process> stress;
   if (stressed)
@@ -114,15 +114,15 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   std::size_t given = 1;
   for (double time = 0; cyclictest.running(); time += 0.2) {
     if (time >= next_target) {
-      run.user().set_target(targets[given++ % targets.size()]);
+      run.set_target(targets[given++ % targets.size()]);
       next_target += kTargetPeriod;
     }
-    run.user().spin(0.2);
+    run.spin(0.2);
     if (!run.check_programs()) throw runs::RunFailed("palpate-sim ended before its time");
   }
   if (cyclictest.wait(0).value_or(1) != 0)
     throw runs::RunFailed("cyclictest failed:\n" + common::tail(histogram, 5));
-  const health_t after = *run.user().health();
+  const health_t after = *run.client().health();
   const auto [all_after, stolen_after] = processor_times();
   if (stress) stress->stop();
   const runs::RunFiles files = run.finish();

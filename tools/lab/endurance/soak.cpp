@@ -89,26 +89,26 @@ int run_soak(const SoakOptions& options) {
   runs::LiveRun run(plan, options.output);
 
   const double duration = options.minutes * 60;
-  const std::int64_t begin = runs::wall_clock();
+  const std::int64_t begin = bus::wall_clock_us();
   std::vector<MemorySample> samples;
   double next_target = 0, next_line = 0;
   std::size_t given = 0;
   print_header();
   for (double time = 0; time < duration;
-       time = static_cast<double>(runs::wall_clock() - begin) * 1e-6) {
+       time = static_cast<double>(bus::wall_clock_us() - begin) * 1e-6) {
     if (time >= next_target) {
-      run.user().set_target(targets[given++ % targets.size()]);
+      run.set_target(targets[given++ % targets.size()]);
       next_target += kSoakTargetPeriod;
     }
-    run.user().spin(kSampling);
+    run.spin(kSampling);
     if (!run.check_programs()) throw runs::RunFailed("palpate-sim ended before its time");
     samples.push_back({time, resident_megabytes(run.daemon_pid())});
     if (time >= next_line) {
-      print_line(samples.back(), *run.user().health());
+      print_line(samples.back(), *run.client().health());
       next_line += std::max(10.0, duration / 20);
     }
   }
-  const health_t health = *run.user().health();
+  const health_t health = *run.client().health();
   print_line(samples.back(), health);
   run.finish();
 

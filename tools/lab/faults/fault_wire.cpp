@@ -48,7 +48,7 @@ std::int64_t arrival_us(const bus::UdpmSocket& socket) {
 }  // namespace
 
 FaultWire::FaultWire(const runs::Urls& urls)
-    : sender_(bus::make_lcm_bus(urls.control)), user_(*sender_) {
+    : sender_(bus::make_lcm_bus(urls.control)), user_(*sender_, *sender_, {}, 1) {
   control_.channels = {{channel::kTwistCommand, decodes<twist_command_t>},
                        {channel::kContacts, decodes<contacts_t>},
                        {channel::kEstimate, decodes<estimate_t>},
@@ -126,8 +126,8 @@ void FaultWire::play(const faults::Recording& recording, const faults::Scenario&
     const std::int64_t early_ns = due_ns - (loop::monotonic_ns() - origin_ns);
     if (early_ns > 0) std::this_thread::sleep_for(std::chrono::nanoseconds(early_ns));
     latest_ = std::max(latest_, -1e-9 * static_cast<double>(early_ns));
-    if (tick == faults::kStartTick) user_.send("start");
-    if (tick == faults::kTargetTick) user_.send_target("point", recording.target);
+    if (tick == faults::kStartTick) user_.send({"start"}, 0);
+    if (tick == faults::kTargetTick) user_.set_target(message_of(recording.target), 0);
     for (const faults::Scenario::Act& act : scenario.acts)
       if (act.tick == tick) act.act(user_);
     each(tick);
@@ -152,6 +152,12 @@ faults::Trace FaultWire::trace(int ticks, const control::GateLimits& limits, dou
   faults::Monitor monitor(limits, period);
   faults::Trace trace;
   faults::Cycle cycle;
+  std::int64_t commanded_ns = 0;
+  for (const bus::Published& message : heard_) {
+    if (message.channel != channel::kTwistCommand) continue;
+    last_gap_ = 1e-9 * static_cast<double>(said_ns(message) - commanded_ns);
+    commanded_ns = said_ns(message);
+  }
   auto next = heard_.begin();
   for (int tick = 1; tick <= ticks; ++tick) {
     for (; next != heard_.end() && said_ns(*next) <= kMillisecond * tick; ++next)

@@ -9,7 +9,7 @@
 
 #include "rt/bus/udpm_socket.hpp"
 #include "tools/lab/faults/scenario.hpp"
-#include "tools/lab/runs/operator.hpp"
+#include "tools/lab/runs/live_run.hpp"
 
 namespace palpate::faults {
 
@@ -38,6 +38,8 @@ class FaultWire {
             const std::function<void(int tick)>& each);
   /// s, largest delay of a sent message that this machine caused.
   double latest() const { return latest_; }
+  /// s between the last two commands of the daemon, by its own clock; after trace().
+  double last_gap() const { return last_gap_; }
 
   /// The received messages as a run in virtual time would give them; ends the recording. `limits`:
   /// of the gate; commands every `period` s. The flange pose is unknown, so that the workspace is
@@ -61,14 +63,14 @@ class FaultWire {
   void take_waiting(Ear& ear);
 
   std::unique_ptr<bus::MessageBus> sender_;
-  faults::User user_;
+  client::Client user_;
   Ear control_, housekeeping_;
   std::vector<bus::Published> heard_;
   int undecoded_ = 0;  // on a channel of the daemon, of another type or size
   std::atomic<bool> heard_any_{false};
   std::atomic<std::int64_t> origin_us_{
       0};  // of the wall clock, by which the system stamps arrivals
-  double latest_ = 0;
+  double latest_ = 0, last_gap_ = 0;
   std::atomic<bool> stop_{false};
   std::thread listener_;
 };

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <functional>
+#include <palpate/channels.hpp>
 #include <stdexcept>
 
 #include "rt/config/installation.hpp"
@@ -16,8 +16,9 @@
 #include "tools/lab/faults/fault_wire.hpp"
 #include "tools/lab/faults/judge.hpp"
 #include "tools/lab/faults/mutation.hpp"
+#include "tools/lab/faults/palpated_run.hpp"
 #include "tools/lab/faults/process_judge.hpp"
-#include "tools/lab/runs/operator.hpp"
+#include "tools/lab/faults/rows_plugins.hpp"
 
 namespace palpate::faults {
 namespace {
@@ -28,85 +29,21 @@ constexpr double kRunsBy = 0.2;          // s of a scenario
 constexpr int kConfigurationErrors = 5;
 constexpr int kExitConfiguration = 78;
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text << '\n';
-  if (!out) throw std::runtime_error("cannot write " + file.string());
-}
-
-/// Temporary folder of one run, deleted with this object.
-class FaultFolder {
- public:
-  FaultFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "palpate_faults_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make the folder " + name);
-    path_ = name;
-  }
-  ~FaultFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  FaultFolder(const FaultFolder&) = delete;
-  FaultFolder& operator=(const FaultFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// `overrides` plus settings that separate a busy machine's delays from the fault.
-std::vector<std::string> patient(std::vector<std::string> overrides) {
-  for (const char* key : {"loop.degraded_after_ms=5000", "loop.overrun_window_ms=5000",
-                          "loop.safe_stop_after_ms=5000"})
-    overrides.emplace_back(key);
-  return overrides;
-}
-
-/// Starts palpated with that configuration and these ports; its output goes to palpated.txt in
-/// `folder`.
-common::Process start_palpated(const config::Node& configuration, const runs::Urls& urls,
-                               const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "palpated.yaml";
-  write_text(file, configuration.dump());
-  return {"palpated",
-          {(common::program_folder() / "palpated").string(), "--config", file.string(), "--set",
-           "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping},
-          folder / "palpated.txt"};
-}
-
 /// Empty if the daemon was not active before the fault, or if this machine stalled so long that the
 /// scenario was a different one.
 std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario, bool& late) {
-  const FaultFolder folder;
-  const runs::Urls urls = runs::private_urls();
-  const std::vector<std::string> overrides =
-      scenario.held.length > 0 ? scenario.overrides : patient(scenario.overrides);
-  const config::Node root = configuration(overrides);
-  FaultWire wire(urls);
-  common::Process daemon = start_palpated(root, urls, folder.path());
-  for (double waited = 0; !wire.heard() && daemon.running() && waited < kProcessPatience;
-       waited += 0.01)
-    common::sleep_for(0.01);
-
-  wire.play(bench.recording, scenario, [&](int tick) {
-    if (scenario.held.length == 0) return;
-    if (tick == scenario.held.tick) kill(daemon.pid(), SIGSTOP);
-    if (tick == scenario.held.tick + scenario.held.length) kill(daemon.pid(), SIGCONT);
-  });
-  const bool alive = daemon.running();
-  const Trace trace = wire.trace(scenario.ticks, registry::read_gate_limits(root), kTick);
-  const int code = daemon.stop();
-  if (!alive || code != 0) {
+  const PalpatedRun run = run_palpated(bench, scenario);
+  if (!run.alive || run.exit_code != 0) {
     RunResult result;
     result.crashed = true;
-    result.fail("palpated ended with exit code " + std::to_string(code) + ": " +
-                common::tail(daemon.output(), 1));
+    result.fail("palpated ended with exit code " + std::to_string(run.exit_code) + ": " +
+                run.words);
     return result;
   }
-  late = wire.latest() > kLatestSend;
+  late = run.latest > kLatestSend;
   if (late) return std::nullopt;
-  if (!has_run(trace, std::max(scenario.window.begin, kRunsBy))) return std::nullopt;
-  return judge_process(trace, play(bench, scenario), bench, scenario);
+  if (!has_run(run.trace, std::max(scenario.window.begin, kRunsBy))) return std::nullopt;
+  return judge_process(run.trace, play(bench, scenario), bench, scenario);
 }
 
 /// If the machine stalls while the daemon starts, the run is inconclusive: repeat it.
@@ -178,17 +115,20 @@ common::Process start_simulator(const runs::Urls& urls, const std::filesystem::p
 }
 
 /// False if the condition is not met in time.
-bool wait_until(runs::Operator& user, const std::function<bool()>& condition) {
-  for (double waited = 0; waited < kSimulatorPatience; waited += 0.02) {
-    if (condition()) return true;
-    user.spin(0.02);
-  }
-  return condition();
+bool wait_until(client::Client& user, const std::function<bool()>& condition) {
+  return user.wait(kSimulatorPatience, [&] {
+    common::throw_if_interrupted();
+    return condition();
+  });
 }
 
-bool starts(runs::Operator& user) {
-  return wait_until(user, [&, next = 0]() mutable {
-    if (next++ % 25 == 0) user.send_event("start");
+bool starts(client::Client& user) {
+  constexpr std::int64_t kRepeat = 500'000;  // us
+  return wait_until(user, [&, next = std::int64_t{0}]() mutable {
+    if (const std::int64_t now = bus::wall_clock_us(); now >= next) {
+      user.send({"start"}, now);
+      next = now + kRepeat;
+    }
     return user.is_active();
   });
 }
@@ -201,30 +141,29 @@ RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
   FaultWire wire(urls);
   common::Process daemon = start_palpated(root, urls, folder.path());
   RunResult result;
-  runs::Operator user(urls);
+  const auto control = bus::make_lcm_bus(urls.control),
+             housekeeping = bus::make_lcm_bus(urls.housekeeping);
+  client::Client user(*control, *housekeeping);
+  user.wait(0);  // from now on messages are received
   double killed = 0, again = 0;
   {
     const common::Process simulator = start_simulator(urls, folder.path(), "simulator.txt");
-    if (!wait_until(user, [&] { return user.heard() && user.has_robot_state(); })) {
+    if (!wait_until(user, [&] { return user.received(channel::kRobotState) > 0; })) {
       result.fail("no simulator: " + common::tail(folder.path() / "simulator.txt", 1));
       return result;
     }
     wire.begin();
     if (!starts(user)) result.fail("does not become active");
-    runs::ControlTarget target;
-    target.kind = "point";
-    target.values = bench.recording.target;
-    user.set_target(target);
-    user.spin(0.3 + random.uniform(0, 0.5));
+    user.set_target(message_of(bench.recording.target), bus::wall_clock_us());
+    user.wait(0.3 + random.uniform(0, 0.5));
     killed = wire.now();
     kill(simulator.pid(), SIGKILL);
-    user.spin(random.uniform(0, 0.5));
+    user.wait(random.uniform(0, 0.5));
   }
   const common::Process simulator = start_simulator(urls, folder.path(), "simulator_again.txt");
-  constexpr int kInactive = 1;
-  if (!wait_until(user, [&] { return user.health() && user.health()->state == kInactive; }))
-    result.fail("is not inactive with a new simulator");
-  user.spin(0.5);
+  const auto inactive = [&] { return user.health()->state == health_t::STATE_INACTIVE; };
+  if (!wait_until(user, inactive)) result.fail("is not inactive with a new simulator");
+  user.wait(0.5);
   again = wire.now();
   if (!starts(user)) result.fail("does not become active again");
 
@@ -277,6 +216,7 @@ std::vector<Row> process_rows() {
     rows.push_back(process);
     if (row.number == "19") rows.push_back(killed_simulator_row());
   }
+  for (const Row& row : plugin_process_rows()) rows.push_back(row);
   return rows;
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
 
 namespace palpate::faults {

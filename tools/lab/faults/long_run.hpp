@@ -5,12 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "rt/daemon/daemon.hpp"
-#include "sim/scenes/simulation.hpp"
 #include "tools/lab/faults/faulty_sensor.hpp"
-#include "tools/lab/faults/faulty_wire.hpp"
 #include "tools/lab/faults/monitor.hpp"
-#include "tools/lab/faults/user.hpp"
+#include "tools/lab/faults/virtual_loop.hpp"
 
 namespace palpate::faults {
 
@@ -36,18 +33,17 @@ class LongRun {
  public:
   /// Throws config::Error.
   explicit LongRun(std::uint64_t seed);
-  ~LongRun();
 
   /// Continues for this many s.
   void run(double seconds);
   const LongRunReport& report() const { return report_; }
 
  private:
+  LongRun(std::uint64_t seed, const config::Node& root);
   enum class Phase { kRest, kFault, kRecovery };
 
   void tick();
-  void listen();
-  void start_simulation();
+  void inspect();
   void put_target();
 
   void live();
@@ -56,34 +52,20 @@ class LongRun {
   void end_fault();
   void recover();
   void fail(const std::string& why);
-  double time() const { return 1e-3 * static_cast<double>(tick_); }
+  double time() const { return loop_.time(); }
 
   math::Random random_;
   LongRunReport report_;
-  std::int64_t tick_ = 0;  // of 1 ms
-
-  std::shared_ptr<bus::MemoryHub> daemon_hub_ = bus::make_memory_hub(),
-                                  robot_hub_ = bus::make_memory_hub(),
-                                  truth_hub_ = bus::make_memory_hub();
-  std::unique_ptr<bus::MessageBus> daemon_bus_ = bus::make_memory_bus(daemon_hub_),
-                                   to_daemon_ = bus::make_memory_bus(daemon_hub_),
-                                   to_robot_ = bus::make_memory_bus(robot_hub_), robot_bus_,
-                                   truth_bus_;
-  std::unique_ptr<scenes::Simulation> simulation_;  // nullptr: not running
-  std::unique_ptr<daemon::Daemon> daemon_;
-  std::unique_ptr<User> user_;
-  std::unique_ptr<Monitor> monitor_;
-  FaultyWire wire_;
-  std::vector<bus::Published> sent_, said_;
-  Eigen::Vector3d rest_point_, target_;  // m, in O
+  VirtualLoop loop_;
+  Monitor monitor_;
+  const Eigen::Vector3d rest_point_;  // m, in O
+  Eigen::Vector3d target_ = rest_point_;
 
   Phase phase_ = Phase::kRecovery;
   std::string fault_ = "none";
-  double next_ = 0;  // s, end of the phase
-  std::int64_t session_ = 0;
+  double next_ = 0;                 // s, end of the phase
   FaultySensor* sensor_ = nullptr;  // in the daemon, during a component fault
-  std::int64_t missed_ = 0, wakes_at_ = 0, silent_until_ = 0;  // ticks
-  std::int64_t clock_offset_us_ = 0, stopped_ticks_ = 0;
+  std::int64_t stopped_ticks_ = 0;
   int due_answer_ = 0;  // number that must have been given when the fault ends
   bool had_to_act_ = false;
 };

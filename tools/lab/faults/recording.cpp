@@ -3,7 +3,6 @@
 #include "rt/config/installation.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "sim/scenes/simulation.hpp"
-#include "tools/lab/faults/user.hpp"
 
 namespace palpate::faults {
 namespace {
@@ -31,6 +30,10 @@ Eigen::Vector3d target_of(const Eigen::Vector3d& rest_point) {
   return rest_point + Eigen::Vector3d(0, 0, 0.04);
 }
 
+std::vector<shape_target_t> message_of(const Eigen::Vector3d& target) {
+  return client::make_target("point", {}, {target.x(), target.y(), target.z()});
+}
+
 Recording record_loop(int ticks) {
   const auto hub = bus::make_memory_hub();
   const auto sim_bus = bus::make_memory_bus(hub), daemon_bus = bus::make_memory_bus(hub),
@@ -41,7 +44,7 @@ Recording record_loop(int ticks) {
                               {"object.elements=[8, 1, 1]"}),
       *sim_bus, *sim_bus);
   daemon::Daemon daemon(configuration(), *daemon_bus, *daemon_bus, daemon::Mode::kDeterministic, 1);
-  User user(*user_bus);
+  client::Client user(*user_bus, *user_bus, {}, 1);
 
   Recording recording;
   recording.target = target_of(daemon.pipeline().feature().rest_points()[0]);
@@ -51,8 +54,8 @@ Recording record_loop(int ticks) {
   for (int tick = 1; tick <= ticks; ++tick) {
     const std::int64_t now_ns = 1'000'000LL * tick;
     bus::set_time(*hub, now_ns);
-    if (tick == kStartTick) user.send("start");
-    if (tick == kTargetTick) user.send_target("point", recording.target);
+    if (tick == kStartTick) user.send({"start"}, 0);
+    if (tick == kTargetTick) user.set_target(message_of(recording.target), 0);
     simulation.step();
     daemon.tick({now_ns, now_ns / 1000, 0});
     for (bus::Published& message : all)

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "rt/client/client.hpp"
 #include "rt/config/node.hpp"
 #include "tools/lab/faults/stream.hpp"
 
@@ -29,6 +30,9 @@ config::Node configuration(const std::vector<std::string>& overrides = {});
 
 /// Distance of the feature's target above its rest position, m.
 Eigen::Vector3d target_of(const Eigen::Vector3d& rest_point);
+
+/// As a message for the feature of the configuration.
+std::vector<shape_target_t> message_of(const Eigen::Vector3d& target);
 
 /// Runs the loop for that many ms. Throws config::Error.
 Recording record_loop(int ticks);

@@ -9,7 +9,6 @@ Replay::Replay(const Recording& recording, const std::vector<std::string>& overr
     : recording_(recording) {
   const config::Node root = configuration(overrides);
   daemon_ = std::make_unique<daemon::Daemon>(root, *daemon_bus_, *daemon_bus_, mode, 1);
-  user_ = std::make_unique<User>(*outside_);
   monitor_ =
       std::make_unique<Monitor>(registry::read_gate_limits(root), daemon_->settings().loop.period);
 }
@@ -29,8 +28,8 @@ Trace Replay::run(const Stream& stream, int ticks, const Each& each) {
   for (int tick = 1; tick <= ticks; ++tick) {
     const std::int64_t now_ns = 1'000'000LL * tick;
     bus::set_time(*hub_, now_ns);
-    if (tick == kStartTick) user_->send("start");
-    if (tick == kTargetTick) user_->send_target("point", recording_.target);
+    if (tick == kStartTick) user_.send({"start"}, 0);
+    if (tick == kTargetTick) user_.set_target(message_of(recording_.target), 0);
     for (; next != stream.end() && next->time_ns <= now_ns; ++next)
       outside_->publish(next->channel.c_str(), next->data.data(),
                         static_cast<int>(next->data.size()));

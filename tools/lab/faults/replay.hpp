@@ -7,7 +7,6 @@
 #include "rt/daemon/daemon.hpp"
 #include "tools/lab/faults/monitor.hpp"
 #include "tools/lab/faults/recording.hpp"
-#include "tools/lab/faults/user.hpp"
 
 namespace palpate::faults {
 
@@ -51,7 +50,7 @@ class Replay {
   Trace run(const Stream& stream, int ticks, const Each& each = {});
 
   daemon::Daemon& daemon() { return *daemon_; }
-  User& user() { return *user_; }
+  client::Client& user() { return user_; }
 
  private:
   void observe(int tick, Trace& trace);
@@ -61,7 +60,7 @@ class Replay {
   std::unique_ptr<bus::MessageBus> daemon_bus_ = bus::make_memory_bus(hub_);
   std::unique_ptr<bus::MessageBus> outside_ = bus::make_memory_bus(hub_);
   std::unique_ptr<daemon::Daemon> daemon_;
-  std::unique_ptr<User> user_;
+  client::Client user_{*outside_, *outside_, {}, 1};
   std::unique_ptr<Monitor> monitor_;
   std::vector<bus::Published> said_;
 };

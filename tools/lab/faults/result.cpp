@@ -22,4 +22,10 @@ void RunResult::fail(const std::string& why) {
   note(why);
 }
 
+void RunResult::append(const std::string& more) {
+  const std::string whole = miss.data() + more;
+  miss.fill('\0');
+  note(whole);
+}
+
 }  // namespace palpate::faults

@@ -25,8 +25,9 @@ struct RunResult {
   bool crashed = false;
   std::array<char, 160> miss{};  // the first violation; "" if there was none
 
-  void fail(const std::string& why);  // a check of the whole table failed: the run has failed
-  void note(const std::string& why);  // a bound of the row was missed
+  void fail(const std::string& why);     // a check of the whole table failed: the run has failed
+  void note(const std::string& why);     // a bound of the row was missed
+  void append(const std::string& more);  // to the violation
   bool has_miss() const { return miss[0] != '\0'; }
 };
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "tools/lab/faults/rows_plugins.hpp"
+
 namespace palpate::faults {
 
 std::vector<Row> all_rows() {
   std::vector<Row> rows;
-  for (const auto& some :
-       {message_rows(), sensor_rows(), component_rows(), mechanics_rows(), configuration_rows()})
+  for (const auto& some : {message_rows(), sensor_rows(), component_rows(), mechanics_rows(),
+                           configuration_rows(), plugin_rows()})
     rows.insert(rows.end(), some.begin(), some.end());
   std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) {
     return std::stoi(a.number) < std::stoi(b.number);

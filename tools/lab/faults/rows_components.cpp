@@ -31,8 +31,8 @@ RunResult run_error(const Bench& bench, std::uint64_t seed) {
   const Trace trace = replay.run(bench.recording.stream, kTicks, [&](int tick, daemon::Now&) {
     const bool wrong = tick >= begin && tick < begin + length;
     sensor.trouble = wrong ? FaultySensor::Trouble::kError : FaultySensor::Trouble::kNone;
-    if (tick == kReset) replay.user().send("reset");
-    if (tick == kStart) replay.user().send("start");
+    if (tick == kReset) replay.user().send({"reset"}, 0);
+    if (tick == kStart) replay.user().send({"start"}, 0);
     return true;
   });
   const Window window{1e-3 * begin, 1e-3 * kStart};
@@ -129,7 +129,8 @@ Scenario overflow(const Bench& bench, std::uint64_t seed, bool with_fallback) {
   for (double& x : target)
     if (random.below(2) == 0) x = 1e308 * (random.below(2) == 0 ? 1 : -1);
   if (target == bench.recording.target) target.x() = 1e308;
-  scenario.acts.push_back({tick, [target](User& user) { user.send_target("point", target); }});
+  scenario.acts.push_back(
+      {tick, [target](client::Client& user) { user.set_target(message_of(target), 0); }});
   return scenario;
 }
 
@@ -204,9 +205,10 @@ Scenario replacements(const Bench& bench, std::uint64_t seed) {
   scenario.stream = lose(bench.recording.stream, sensors_in(scenario.window), 0.05, random);
   for (int i = 0; i < kRequests; ++i) {
     const Wish& wish = kWishes[random.below(std::size(kWishes))];
-    scenario.acts.push_back({250 + 130 * i, [wish](User& user) {
-                               user.send("replace", wish.slot, wish.component, wish.parameters);
-                             }});
+    scenario.acts.push_back(
+        {250 + 130 * i, [wish](client::Client& user) {
+           user.send({"replace", wish.slot, "", wish.component, wish.parameters}, 0);
+         }});
   }
   return scenario;
 }

@@ -177,10 +177,8 @@ Scenario target_stops(const Bench& bench, std::uint64_t seed) {
   scenario.window = {1e-3 * last, 0.85};
   scenario.ticks = 850;
   scenario.must_show = false;
-  const Eigen::Vector3d target = bench.recording.target;
   for (int tick = 100; tick < last; tick += 50)
-    scenario.acts.push_back(
-        {tick, [target](User& user) { user.send_target("point", target, true); }});
+    scenario.acts.push_back({tick, [](client::Client& user) { user.repeat_target(0); }});
   return scenario;
 }
 
@@ -293,7 +291,7 @@ Scenario restarted(const Bench& bench, std::uint64_t seed) {
   scenario.stream = restart(bench.recording.stream, at, pause, 77);
   scenario.window = {at, kTick * again};
   scenario.ticks = again + 300;
-  scenario.acts.push_back({again, [](User& user) { user.send("start"); }});
+  scenario.acts.push_back({again, [](client::Client& user) { user.send({"start"}, 0); }});
   return scenario;
 }
 

@@ -22,7 +22,7 @@ struct Scenario {
   /// User actions in addition to the start and the target of every run.
   struct Act {
     int tick;
-    std::function<void(User&)> act;
+    std::function<void(client::Client&)> act;
   };
   std::vector<Act> acts;
 

@@ -8,7 +8,9 @@ namespace palpate::fit_check {
 
 Synthetic::Synthetic(std::shared_ptr<const fit::Experiment> mechanics, const Eigen::VectorXd& truth,
                      int seed)
-    : mechanics_(std::move(mechanics)), series_(mechanics_->series()) {
+    : Experiment(mechanics->name()), mechanics_(std::move(mechanics)) {
+  series_ = mechanics_->series();
+  parameters_ = mechanics_->parameters();
   Eigen::VectorXd readings;
   if (!mechanics_->predict(truth, readings, nullptr))
     throw std::invalid_argument(name() + ": no equilibrium where the truth is to be");

@@ -18,11 +18,6 @@ class Synthetic final : public fit::Experiment {
   Synthetic(std::shared_ptr<const fit::Experiment> mechanics, const Eigen::VectorXd& truth,
             int seed);
 
-  const std::string& name() const override { return mechanics_->name(); }
-  const std::vector<fit::Series>& series() const override { return series_; }
-  const std::vector<fit::Parameter>& parameters() const override {
-    return mechanics_->parameters();
-  }
   bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
                Eigen::MatrixXd* jacobian) const override {
     return mechanics_->predict(parameters, prediction, jacobian);
@@ -31,7 +26,6 @@ class Synthetic final : public fit::Experiment {
 
  private:
   std::shared_ptr<const fit::Experiment> mechanics_;
-  std::vector<fit::Series> series_;
 };
 
 /// Coverage of the 95 % interval of a parameter.

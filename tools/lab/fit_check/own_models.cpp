@@ -13,12 +13,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-VectorXd starts(const fit::Experiment& experiment) {
-  VectorXd p(experiment.parameters().size());
-  for (Eigen::Index k = 0; k < p.size(); ++k) p[k] = experiment.parameters()[k].start;
-  return p;
-}
-
 /// The long soft bar of the examples on a mesh for which a fit takes a tenth of a second.
 fit::HeldCell small_bar() {
   return fit::read_held_cell(
@@ -49,7 +43,7 @@ OwnModel held_bar() {
     recording.samples.push_back(sample);
   }
   const auto held = std::make_shared<fit::HeldObject>("held_object", cell, recording);
-  VectorXd truth = starts(*held);
+  VectorXd truth = held->start();
   truth[0] = 26e3;
   truth[1] = 0.25;
   return {held, truth};
@@ -67,7 +61,7 @@ OwnModel ringing_bar() {
                                        fit::HeldDecayOptions{2, false, true, false});
   math::Vector6d twist = math::Vector6d::Zero();
   twist[1] = twist[2] = 0.2;
-  VectorXd truth = decay->after_stop(starts(*decay), 0, twist);
+  VectorXd truth = decay->after_stop(decay->start(), 0, twist);
   truth[0] *= 0.97;
   truth[2] = 2.2;
   return {decay, truth};
@@ -89,7 +83,7 @@ OwnModel pulled_bar(const std::string& folder) {
       " width: {name: w_mm, unit: mm}}\n"
       "geometry: {length: 20 mm, width: 10 mm, thickness: 10 mm}\n");
   const std::shared_ptr<fit::Experiment> bar = fit::make_uniaxial(node, folder);
-  VectorXd truth = starts(*bar);
+  VectorXd truth = bar->start();
   truth[0] = 8e5;
   truth[1] = 0.4;
   return {bar, truth};

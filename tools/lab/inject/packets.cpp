@@ -27,7 +27,7 @@ constexpr std::array<const char*, kKinds> kNames = {
 
 constexpr int kLargestDatagram = 65507;
 constexpr int kFragmentSize = 1400;
-constexpr int kCountsOfShape = 44;  // offset of shape_t's node_count in its encoding
+constexpr int kCountsOfShape = 48;  // offset of shape_t's node_count in its encoding
 
 template <class Message>
 Target target(const char* channel) {
@@ -124,6 +124,7 @@ PacketSource::Bytes PacketSource::arrays(std::int32_t count) {
   append_fingerprint(payload, shape_t::getHash());
   append_random(payload, kCountsOfShape - 8);
   append_word(payload, static_cast<std::uint32_t>(count));
+  append_word(payload, 0);  // first_node
   append_word(payload, static_cast<std::uint32_t>(count));
   append_random(payload, draw(0, 200));
   return short_message(draw_word(), channel::kShape, payload);

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <fstream>
-#include <lcm/lcm-cpp.hpp>
+#include <palpate/channels.hpp>
 #include <sstream>
 #include <utility>
+
+#include "rt/bus/text.hpp"
+#include "rt/bus/udpm_url.hpp"
+#include "tools/common/interruption.hpp"
 
 namespace palpate::runs {
 namespace {
@@ -62,16 +67,28 @@ bool has_ended(const std::filesystem::path& log) {
 
 }  // namespace
 
+Urls private_urls() {
+  const auto url = [] { return bus::private_url().text(); };
+  return {url(), url(), url()};
+}
+
+std::vector<shape_target_t> messages_of(const ControlTarget& target) {
+  std::vector<double> points;
+  for (const Eigen::Vector3d& point : target.rest_points)
+    points.insert(points.end(), point.begin(), point.end());
+  return client::make_target(target.kind, points, {target.values.begin(), target.values.end()});
+}
+
 LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     : plan_(plan),
       files_{folder / "control.log", folder / "housekeeping.log", folder / "simulator.json",
-             folder / "palpated.json"} {
+             folder / "palpated.json"},
+      commands_(*control_, channel::kTwistCommand, 200) {
   if (plan.lock_step && (!plan.source.log.empty() || !(plan.source.duration > 0)))
     throw std::invalid_argument("a lock-step run wants a simulator that ends by itself");
   std::filesystem::create_directories(folder);
-  urls_ = private_urls();
   const Urls& urls = urls_;
-  operator_ = std::make_unique<Operator>(urls);
+  spin(0);  // from now on messages are received
   const std::string palpated = (common::program_folder() / "palpated").string();
   // Not lcm-logger: a run in lock-step is faster than it can write, and it drops the excess.
   const std::string recorder = (common::program_folder() / "palpate-record").string();
@@ -113,6 +130,10 @@ void LiveRun::fail(const std::string& what, const common::Process* at_fault) con
   throw RunFailed(text);
 }
 
+std::string LiveRun::reason() const {
+  return client_.health() ? bus::get_text(client_.health()->reason) : "no HEALTH was received";
+}
+
 bool LiveRun::check_programs() {
   const auto check = [this](common::Process& process) {
     if (const auto code = process.wait(0))
@@ -127,77 +148,104 @@ bool LiveRun::check_programs() {
   return !code;
 }
 
+void LiveRun::set_target(const ControlTarget& target) {
+  client_.set_target(messages_of(target), bus::wall_clock_us());
+  still_since_ = 0;
+}
+
+void LiveRun::spin(double seconds) {
+  client_.wait(seconds, [this] {
+    common::throw_if_interrupted();
+    watch_commands();
+    return false;
+  });
+}
+
+void LiveRun::watch_commands() {
+  std::int64_t arrival_ns = 0;
+  for (twist_command_t command; commands_.take(command, arrival_ns);) {
+    const bool moving =
+        std::any_of(command.twist, command.twist + 6, [](double v) { return std::abs(v) > 1e-6; });
+    if (moving || !client_.target_error())
+      still_since_ = 0;
+    else if (still_since_ == 0)
+      still_since_ = bus::wall_clock_us();
+  }
+}
+
+/// s for which the daemon has followed our target and commanded no motion.
+double LiveRun::settled() const {
+  if (still_since_ == 0) return 0;
+  return static_cast<double>(bus::wall_clock_us() - still_since_) * 1e-6;
+}
+
 void LiveRun::start_lock_step() {
-  const std::int64_t begin = wall_clock();
+  const std::int64_t begin = bus::wall_clock_us();
   const double patience = std::max(kActivationPatience, plan_.standstill);
   while (common::tail(daemon_->output(), kTail).find(kReady) == std::string::npos) {
     check_programs();
-    if (static_cast<double>(wall_clock() - begin) * 1e-6 > patience)
+    if (static_cast<double>(bus::wall_clock_us() - begin) * 1e-6 > patience)
       fail("palpated does not listen", daemon_.get());
-    operator_->spin(0.02);
+    spin(0.02);
   }
-  operator_->send_event("start");
-  if (plan_.target) operator_->set_target(*plan_.target);
-  operator_->spin(0.1);
+  client_.send({"start"}, bus::wall_clock_us());
+  if (plan_.target) set_target(*plan_.target);
+  spin(0.1);
 }
 
 void LiveRun::complete_lock_step(common::Progress& progress) {
   // Slowness is not a failure: the duration of a run depends on the machine, its result does not.
-  std::int64_t simulated = 0, since = wall_clock();  // us
+  std::int64_t simulated = 0, since = bus::wall_clock_us();  // us
   while (check_programs()) {
-    const std::int64_t now = operator_->health() ? operator_->health()->utime : 0;
-    if (now != simulated) since = wall_clock();
+    const std::int64_t now = client_.health() ? client_.health()->utime : 0;
+    if (now != simulated) since = bus::wall_clock_us();
     simulated = now;
-    if (static_cast<double>(wall_clock() - since) * 1e-6 > plan_.standstill)
+    if (static_cast<double>(bus::wall_clock_us() - since) * 1e-6 > plan_.standstill)
       fail("the simulation stands still", source_.get());
-    if (!operator_->refusal().empty())
-      fail("palpated refused: " + operator_->refusal(), daemon_.get());
+    if (!client_.refusal().empty()) fail("palpated refused: " + client_.refusal(), daemon_.get());
     progress.show(static_cast<double>(simulated) * 1e-6 / plan_.source.duration);
-    operator_->spin(kSlice);
+    spin(kSlice);
   }
-  if (!operator_->is_running()) fail("palpated was not active at the end", daemon_.get());
+  if (!client_.is_running()) fail("palpated was not active at the end", daemon_.get());
 }
 
 void LiveRun::activate() {
-  const std::int64_t begin = wall_clock();
+  const std::int64_t begin = bus::wall_clock_us();
   std::int64_t sent = 0;
-  while (!operator_->is_running()) {
-    const std::int64_t now = wall_clock();
+  while (!client_.is_running()) {
+    const std::int64_t now = bus::wall_clock_us();
     if (static_cast<double>(now - begin) * 1e-6 > kActivationPatience) {
-      const bool health = operator_->heard();
-      const std::string state = health ? reinterpret_cast<const char*>(operator_->health()->reason)
-                                       : "nothing was heard of it";
-      fail("palpated did not become active: " + state +
-               (operator_->refusal().empty() ? "" : "; refused: " + operator_->refusal()),
+      fail("palpated did not become active: " + reason() +
+               (client_.refusal().empty() ? "" : "; refused: " + client_.refusal()),
            daemon_.get());
     }
     if (!check_programs()) fail(source_->name() + " ended at once", source_.get());
-    const bool ready = operator_->heard() && (!source_ || operator_->has_robot_state());
+    const bool ready = client_.health() && (!source_ || client_.received(channel::kRobotState) > 0);
     if (ready && now - sent > 500000) {
-      operator_->send_event("start");
+      client_.send({"start"}, now);
       sent = now;
     }
-    operator_->spin(0.05);
+    spin(0.05);
   }
 }
 
 void LiveRun::complete(common::Progress& progress) {
   if (plan_.lock_step) return complete_lock_step(progress);
-  if (plan_.target) operator_->set_target(*plan_.target);
-  const std::int64_t begin = wall_clock();
+  if (plan_.target) set_target(*plan_.target);
+  const std::int64_t begin = bus::wall_clock_us();
   for (;;) {
-    const double elapsed = static_cast<double>(wall_clock() - begin) * 1e-6;
+    const double elapsed = static_cast<double>(bus::wall_clock_us() - begin) * 1e-6;
     if (elapsed >= plan_.duration || !check_programs()) return;
     std::string note;
     if (plan_.target) {
-      if (!operator_->refusal().empty())
-        fail("palpated refused the target: " + operator_->refusal(), nullptr);
-      if (operator_->is_active() && operator_->settled() >= plan_.settled) return;
-      if (operator_->estimated_error() >= 0)
-        note = std::to_string(operator_->estimated_error() * 1e3).substr(0, 5) + " mm";
+      if (!client_.refusal().empty())
+        fail("palpated refused the target: " + client_.refusal(), nullptr);
+      if (client_.is_active() && settled() >= plan_.settled) return;
+      if (const auto error = client_.target_error())
+        note = std::to_string(*error * 1e3).substr(0, 5) + " mm";
     }
     progress.show(elapsed / plan_.duration, note);
-    operator_->spin(std::min(kSlice, plan_.duration - elapsed));
+    spin(std::min(kSlice, plan_.duration - elapsed));
   }
 }
 
@@ -207,22 +255,20 @@ void LiveRun::await_loggers() {
   if (!plan_.recorded) return;
   for (const auto& [url, log] : {std::pair{urls_.control, files_.control},
                                  std::pair{urls_.housekeeping, files_.housekeeping}}) {
-    lcm::LCM marker(url);
-    const std::int64_t begin = wall_clock();
+    const auto marker = bus::make_lcm_bus(url);
+    const std::int64_t begin = bus::wall_clock_us();
     while (!has_ended(log)) {
-      if (static_cast<double>(wall_clock() - begin) * 1e-6 > kLoggersPatience)
+      if (static_cast<double>(bus::wall_clock_us() - begin) * 1e-6 > kLoggersPatience)
         fail("the logger does not write " + log.string(), nullptr);
-      marker.publish(kEndOfLog, kEndOfLog, 1);
-      operator_->spin(kDrain);
+      marker->publish(kEndOfLog, kEndOfLog, 1);
+      spin(kDrain);
     }
   }
 }
 
 RunFiles LiveRun::finish() {
-  const bool healthy = operator_->health() && operator_->health()->state != 4;
-  const std::string reason = operator_->health()
-                                 ? reinterpret_cast<const char*>(operator_->health()->reason)
-                                 : "no HEALTH was heard";
+  const bool healthy = client_.health() && client_.health()->state != health_t::STATE_FAULTED;
+  const std::string why = reason();
   const auto stop = [this](common::Process& process, bool may_have_ended) {
     const bool ended = !process.running();
     const int code = process.stop();
@@ -236,7 +282,7 @@ RunFiles LiveRun::finish() {
   stop(*daemon_, false);
   await_loggers();
   for (common::Process& logger : loggers_) logger.stop();
-  if (!healthy) fail("palpated ended faulted: " + reason, daemon_.get());
+  if (!healthy) fail("palpated ended faulted: " + why, daemon_.get());
   return files_;
 }
 

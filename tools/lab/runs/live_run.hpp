@@ -3,16 +3,28 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <palpate/twist_command_t.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "rt/client/client.hpp"
 #include "tools/common/process.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/lab/runs/experiments.hpp"
-#include "tools/lab/runs/operator.hpp"
 
 namespace palpate::runs {
+
+/// URLs of one run, with ports that nothing else on this machine uses.
+struct Urls {
+  std::string control;
+  std::string housekeeping;
+  std::string pictures;
+};
+Urls private_urls();
+
+/// Messages of a target; throws as client::make_target() does.
+std::vector<shape_target_t> messages_of(const ControlTarget& target);
 
 /// A run was not completed: what() gives the reason, with the last output of the program at fault.
 class RunFailed : public std::runtime_error {
@@ -66,7 +78,11 @@ class LiveRun {
   /// Ends everything in order and checks the exit codes; throws RunFailed.
   RunFiles finish();
 
-  Operator& user() { return *operator_; }
+  void set_target(const ControlTarget& target);
+  /// Handles arriving messages for `seconds`; throws Interrupted.
+  void spin(double seconds);
+
+  const client::Client& client() const { return client_; }
   pid_t daemon_pid() const { return daemon_->pid(); }
   /// Throws RunFailed if a program has ended unexpectedly. False once the source has finished.
   bool check_programs();
@@ -76,12 +92,19 @@ class LiveRun {
   void complete_lock_step(common::Progress& progress);
   void await_loggers();
   void activate();
+  void watch_commands();
+  std::string reason() const;  // of the daemon's last known state
+  double settled() const;
   [[noreturn]] void fail(const std::string& what, const common::Process* at_fault) const;
 
   const RunPlan& plan_;
   RunFiles files_;
-  Urls urls_;
-  std::unique_ptr<Operator> operator_;
+  Urls urls_ = private_urls();
+  std::unique_ptr<bus::MessageBus> control_ = bus::make_lcm_bus(urls_.control),
+                                   housekeeping_ = bus::make_lcm_bus(urls_.housekeeping);
+  bus::TypedSubscription<twist_command_t> commands_;
+  client::Client client_{*control_, *housekeeping_};
+  std::int64_t still_since_ = 0;  // us; 0: the daemon moves the hand, or does not follow our target
   std::vector<common::Process> loggers_;
   std::unique_ptr<common::Process> daemon_;
   std::unique_ptr<common::Process> source_;

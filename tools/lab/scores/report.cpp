@@ -172,7 +172,7 @@ void print_report(const std::vector<ScoredRun>& runs, std::ostream& out) {
     table.add(cells(run));
   }
   table.print(out);
-  out << "Shape error: plant against estimate at the mesh's corner nodes, over the last half "
+  out << "Shape error: plant against estimate at all nodes of the mesh, over the last half "
          "second "
          "of each pose\n(sensing) or over the whole run (control), mean and largest, in mm and % "
          "of "

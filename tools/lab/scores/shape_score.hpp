@@ -58,7 +58,7 @@ struct Interval {
 };
 std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, double least);
 
-/// Compares every SHAPE with the ground truth of the same instant at the estimate's corner nodes.
+/// Compares every SHAPE with the ground truth of the same instant at all nodes of the estimate.
 /// Throws std::runtime_error if the log lacks shape, truth or meshes.
 ShapeScore score_shape(const log::RunLog& run);
 

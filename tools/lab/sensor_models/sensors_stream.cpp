@@ -11,7 +11,7 @@
 #include "core/sensing/biotac_lstm.hpp"
 #include "core/sensing/linear_tactile.hpp"
 #include "rt/inference/model_file.hpp"
-#include "rt/registry/learned_sensors.hpp"
+#include "rt/registry/sensors.hpp"
 
 namespace palpate::sensor_models {
 namespace {
@@ -173,8 +173,7 @@ Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& execut
   context.deterministic = true;
   context.period = 1 / loop_rate;
   context.frames.gravity_W = kGravity;
-  const auto component =
-      registry::make_ft_rnnob(section("ft_rnnob", model, executor, ""), context.frames, context);
+  const auto component = registry::make_ft_rnnob(section("ft_rnnob", model, executor, ""), context);
   sensing::Signals signals;
   sensing::ContactSet contacts;
   Eigen::MatrixXd wrenches(track.time.size(), 6);

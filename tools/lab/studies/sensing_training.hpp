@@ -9,7 +9,7 @@
 namespace palpate::studies {
 
 /// The command `train-sensing`: trains the networks of the baselines that learn a shape
-/// (tools/lab/baselines/sensing/learned_shape.hpp) on recordings of motions that no study uses.
+/// (tools/lab/baselines/learning/learned_shape.hpp) on recordings of motions that no study uses.
 class TrainSensingCommand {
  public:
   explicit TrainSensingCommand(CLI::App& app);

@@ -5,11 +5,13 @@ from __future__ import annotations
 import secrets
 import time
 from collections import deque
-from types import TracebackType
-from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Protocol, Type
+from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Protocol
 
+from palpate import messages
 from palpate.authentication import wall_clock_us
-from palpate.channels import DecodeError, decode, type_of
+from palpate.channels import decode, type_of
+from palpate.closing import Closing
+from palpate.mesh import ShapeBuilder
 from palpate.udpm import Packet, Transport
 
 CONTROL_URL = "udpm://239.255.76.67:7667?ttl=0"
@@ -58,14 +60,16 @@ class _LcmTransport:
 
 
 class Subscription:
-    """Messages of one channel, oldest first; `for message in subscription` never ends."""
+    """Messages of one channel, oldest first; `for message in subscription` never ends. Shapes are
+    whole: joined from their chunks."""
 
     def __init__(self, bus: "Bus", channel: str, callback: Optional[Callback], queue: int) -> None:
         self.channel = channel
         self.dropped = 0  # because the queue was full: the oldest was discarded
-        self.undecodable = 0  # of another type than the channel's
+        self.undecodable = 0  # of another type than the channel's, or an inconsistent chunk
         self._bus, self._callback = bus, callback
         self._queue: Deque[Any] = deque(maxlen=queue)
+        self._shapes = ShapeBuilder()
 
     def get(self, timeout: Optional[float] = None) -> Any:
         """The next message, waiting at most `timeout` s (None: without limit). Raises
@@ -116,7 +120,11 @@ class Subscription:
     def _take(self, data: bytes) -> None:
         try:
             message = decode(self.channel, data)
-        except DecodeError:
+            if isinstance(message, messages.shape_t):
+                message = self._shapes.add(message)
+                if message is None:
+                    return
+        except ValueError:
             self.undecodable += 1
             return
         if self._callback is not None:
@@ -126,7 +134,7 @@ class Subscription:
         self._queue.append(message)
 
 
-class Bus:
+class Bus(Closing):
     """One LCM URL. There is no background thread: messages are received, and callbacks called, in
     the thread that waits (Subscription.get, handle, run); not thread-safe.
 
@@ -211,14 +219,3 @@ class Bus:
 
     def close(self) -> None:
         self._transport.close()
-
-    def __enter__(self) -> "Bus":
-        return self
-
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
-        self.close()

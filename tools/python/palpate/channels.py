@@ -41,14 +41,43 @@ def type_of(channel: str) -> Type[Any] | None:
 
 
 def decode(channel: str, data: bytes) -> Any:
-    """The message in `data`. Raises DecodeError if it is not of the channel's type."""
+    """The message in `data`; one of a former type of the channel is converted. Raises DecodeError
+    if it is not of the channel's type."""
     kind = type_of(channel)
     if kind is None:
         raise DecodeError(f"{channel}: is not a channel of palpate")
     try:
+        for former in _former_types(channel):
+            if data[:8] == former._get_packed_fingerprint():
+                return _converted(former.decode(data), kind)
         return kind.decode(data)
     except (ValueError, struct.error) as error:
         raise DecodeError(f"{channel}: {len(data)} bytes are not a {kind.__name__}") from error
+
+
+# Names of fields in former types.
+_FORMER_NAMES = {
+    ("health_v1_t", "gate_rejected"): "gate_refused",
+    ("health_v1_t", "commands_rejected"): "commands_refused",
+    ("shape_mesh_v1_t", "node_count"): "corner_count",
+}
+
+
+def _former_types(channel: str) -> tuple[Type[Any], ...]:
+    entry = CHANNELS.get(channel) or CHANNELS.get(re.sub(r"_\d+$", "", channel))
+    return entry.former if entry is not None else ()
+
+
+def _converted(former: Any, kind: Type[Any]) -> Any:
+    """Former shapes and meshes hold corner nodes only; a former shape is one chunk."""
+    message, version = kind(), type(former).__name__
+    for name in kind.__slots__:
+        source = _FORMER_NAMES.get((version, name), name)
+        if hasattr(former, source):
+            setattr(message, name, getattr(former, source))
+    if version == "shape_v1_t":
+        message.chunks = 1
+    return message
 
 
 def text_of(field: bytes) -> str:

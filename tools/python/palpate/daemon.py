@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 import os
 import time
-from types import TracebackType
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Type, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
 from palpate import messages
 from palpate.authentication import Sealer, read_key_file
 from palpate.bus import CONTROL_URL, HOUSEKEEPING_URL, Bus
+from palpate.channel_table import CHANNELS
 from palpate.channels import field_of, text_of
+from palpate.closing import Closing
 from palpate.mesh import Mesh, MeshBuilder
 
 STATES = ("unconfigured", "inactive", "active", "degraded", "faulted", "finalized")
@@ -38,7 +39,7 @@ class Answer(NamedTuple):
     reason: str
 
 
-class Daemon:
+class Daemon(Closing):
     """Commands palpated over its two URLs. Each command is sent again until it is answered, and
     carried out once; it raises Refused with the daemon's reason, or NoAnswer.
 
@@ -72,7 +73,8 @@ class Daemon:
         self.housekeeping.subscribe("SHAPE_MESH", self._meshes.add)
         self._sealers = {
             channel: Sealer(channel, key)
-            for channel in ("COMPONENT_COMMAND", "SHAPE_TARGET", "MANUAL_FORCE")
+            for channel, entry in CHANNELS.items()
+            if entry.sender == "user"
         }
         self._revision = 0
 
@@ -203,7 +205,8 @@ class Daemon:
         return message
 
     def shape(self, timeout: Optional[float] = None) -> messages.shape_t:
-        """The next SHAPE from now on; positions are np.reshape(shape.xyz, (-1, 3)), m in O.
+        """The next SHAPE from now on; positions of all nodes are np.reshape(shape.xyz, (-1, 3)),
+        m in O.
         Raises NoAnswer."""
         message: messages.shape_t = self._fresh(self._shapes, timeout)
         return message
@@ -238,17 +241,6 @@ class Daemon:
     def close(self) -> None:
         self.control.close()
         self.housekeeping.close()
-
-    def __enter__(self) -> "Daemon":
-        return self
-
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
-        self.close()
 
     def _fresh(self, subscription: Any, timeout: Optional[float]) -> Any:
         self.housekeeping.drain()

@@ -11,6 +11,8 @@ import struct
 from pathlib import Path
 from typing import BinaryIO, Iterator, NamedTuple, Union
 
+from palpate.closing import Closing
+
 SYNC = b"\xed\xa1\xda\x01"
 _HEADER = struct.Struct(">4sqqii")
 LONGEST_CHANNEL = 63
@@ -96,7 +98,7 @@ class EventLog:
         return Event(number, utime, name, data[name_at + name_size : end]), end
 
 
-class EventLogWriter:
+class EventLogWriter(Closing):
     """Writes a log that lcm-logplayer, palpate-replay and read_log can read. A context
     manager.
     """
@@ -116,9 +118,3 @@ class EventLogWriter:
 
     def close(self) -> None:
         self._file.close()
-
-    def __enter__(self) -> "EventLogWriter":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()

@@ -8,14 +8,16 @@ from typing import Any, Iterator, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.channels import DecodeError, decode, text_of, type_of
+from palpate import messages
+from palpate.channel_table import CHANNELS
+from palpate.channels import decode, text_of, type_of
 from palpate.event_log import Damage, Event, EventLog
-from palpate.mesh import Mesh, MeshBuilder
+from palpate.mesh import Mesh, MeshBuilder, ShapeBuilder
 
 Path = Union[str, "os.PathLike[str]"]
 
 # Channels of operators' commands, which are not in lock-step and use the wall clock.
-_OF_USERS = ("COMPONENT_COMMAND", "SHAPE_TARGET", "MANUAL_FORCE")
+_OF_USERS = tuple(name for name, entry in CHANNELS.items() if entry.sender == "user")
 
 
 class Series:
@@ -116,6 +118,7 @@ class Log:
         self.undecodable: dict[str, int] = {}  # messages of another type than their channel's
         self.unknown: dict[str, int] = {}  # messages of channels that are not palpate's
         self._series: dict[str, tuple[list[Any], list[int]]] = {}
+        self._shapes: dict[str, ShapeBuilder] = {}
         for event in events:
             self._add(event)
         starts = [
@@ -132,11 +135,15 @@ class Log:
             return
         try:
             message = decode(event.channel, event.data)
-        except DecodeError:
+            if isinstance(message, messages.shape_t):
+                message = self._shapes.setdefault(event.channel, ShapeBuilder()).add(message)
+                if message is None:
+                    return
+        except ValueError:
             self.undecodable[event.channel] = self.undecodable.get(event.channel, 0) + 1
             return
-        messages, utimes = self._series.setdefault(event.channel, ([], []))
-        messages.append(message)
+        of_channel, utimes = self._series.setdefault(event.channel, ([], []))
+        of_channel.append(message)
         utimes.append(event.utime if self.clock == "received" else message.utime)
 
     @property
@@ -152,10 +159,10 @@ class Log:
         if channel not in self._series:
             raise KeyError(f"no {channel} in the log; it has: {', '.join(self.channels)}")
         if channel not in self._made:
-            messages, utimes = self._series[channel]
+            of_channel, utimes = self._series[channel]
             order = np.argsort(np.array(utimes, np.int64), kind="stable")
             self._made[channel] = Series(
-                channel, [messages[i] for i in order], [utimes[i] for i in order], self.start_utime
+                channel, [of_channel[i] for i in order], [utimes[i] for i in order], self.start_utime
             )
         return self._made[channel]
 

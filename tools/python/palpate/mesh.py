@@ -1,4 +1,4 @@
-"""The mesh of SHAPE and TRUTH_SHAPE, assembled from its chunks, and points within it."""
+"""Shapes and meshes, assembled from their chunks, and points within a mesh."""
 
 from __future__ import annotations
 
@@ -21,12 +21,18 @@ class Mesh:
     hash: int
     element_kind: int  # shape_mesh_t.LINEAR_TETRAHEDRA, ...
     nodes: Floats  # (n, 3), m, at rest
-    elements: Ints  # (m, nodes of an element), from 0
+    elements: Ints  # (m, nodes of an element), from 0; of 10: the 4 corners first
     triangles: Ints  # (k, 3), surface, outward
     constrained: Ints  # nodes fixed by the test rig
 
     def __repr__(self) -> str:
         return f"<Mesh {self.hash:#x}: {len(self.nodes)} nodes, {len(self.elements)} elements>"
+
+    @property
+    def corners(self) -> Ints:
+        """Nodes at corners of elements; all nodes unless the elements are quadratic tetrahedra."""
+        count = 4 if self.elements.shape[1] == 10 else self.elements.shape[1]
+        return np.unique(self.elements[:, :count])
 
     @property
     def longest_side(self) -> float:
@@ -54,6 +60,39 @@ class MeshBuilder:
         return mesh
 
 
+class ShapeBuilder:
+    """Joins the chunks of the shapes of one channel."""
+
+    _MOST = 4  # incomplete shapes
+
+    def __init__(self) -> None:
+        self._chunks: dict[tuple[int, int], dict[int, messages.shape_t]] = {}
+
+    def add(self, chunk: messages.shape_t) -> Optional[messages.shape_t]:
+        """The whole shape that this chunk completes: chunk 0 of 1. Raises ValueError for
+        inconsistent chunks."""
+        if not 0 <= chunk.chunk < chunk.chunks:
+            raise ValueError(f"chunk {chunk.chunk} of {chunk.chunks}")
+        key = (chunk.session, chunk.utime)
+        chunks = self._chunks.setdefault(key, {})
+        chunks[chunk.chunk] = chunk
+        if len(chunks) < chunk.chunks:
+            while len(self._chunks) > self._MOST:
+                del self._chunks[next(iter(self._chunks))]
+            return None
+        del self._chunks[key]
+        whole = chunks[0]
+        if chunk.chunks > 1:
+            parts = [chunks[index] for index in sorted(chunks)]
+            whole.xyz = [value for part in parts for value in part.xyz]
+            whole.deviation = [value for part in parts for value in part.deviation]
+            whole.xyz_count, whole.deviation_count = len(whole.xyz), len(whole.deviation)
+            whole.chunks = 1
+        if whole.xyz_count != 3 * whole.node_count:
+            raise ValueError(f"shape of {whole.xyz_count} coordinates for {whole.node_count} nodes")
+        return whole
+
+
 def assemble(chunks: Iterable[messages.shape_mesh_t]) -> Mesh:
     """The first complete mesh. Raises ValueError if there is none."""
     count = 0
@@ -68,7 +107,7 @@ def assemble(chunks: Iterable[messages.shape_mesh_t]) -> Mesh:
 
 def _join(chunks: list[messages.shape_mesh_t]) -> Mesh:
     first = chunks[0]
-    nodes = np.full((max(0, first.corner_count), 3), np.nan)
+    nodes = np.full((max(0, first.node_count), 3), np.nan)
     for chunk in chunks:
         part = np.asarray(chunk.rest_xyz, float).reshape(-1, 3)
         end = chunk.first_node + len(part)
@@ -98,8 +137,9 @@ def _join(chunks: list[messages.shape_mesh_t]) -> Mesh:
 
 
 class PointsInMesh:
-    """Material points of a mesh as weighted sums of its nodes: of linear tetrahedra (corners of
-    quadratic ones), or of 27-node hexahedra that are boxes at rest, as palpate-sim's are."""
+    """Material points of a mesh as weighted sums of its nodes: of linear or quadratic tetrahedra
+    with straight edges at rest, or of 27-node hexahedra that are boxes at rest, as palpate-sim's
+    are."""
 
     def __init__(self, mesh: Mesh, rest_points: Any) -> None:
         """`rest_points`: (p, 3) in O, m. A point outside uses the nearest element. Raises
@@ -110,12 +150,10 @@ class PointsInMesh:
         corners = mesh.nodes[mesh.elements]  # (m, nodes of an element, 3)
         if mesh.elements.shape[1] == 27:
             place = _place_in_boxes
-        elif mesh.elements.shape[1] == 4:
+        elif mesh.elements.shape[1] in (4, 10):
             place = _place_in_tetrahedra
         else:
-            raise ValueError(
-                "the mesh is neither one of 27-node hexahedra nor of linear tetrahedra"
-            )
+            raise ValueError("the mesh is neither one of 27-node hexahedra nor of tetrahedra")
         for index, point in enumerate(points):
             element, weights = place(corners, point)
             self._nodes[index] = mesh.elements[element]
@@ -144,7 +182,8 @@ def _place_in_boxes(corners: Floats, point: Floats) -> tuple[int, Floats]:
     return element, polynomial.prod(axis=1)
 
 
-def _place_in_tetrahedra(corners: Floats, point: Floats) -> tuple[int, Floats]:
+def _place_in_tetrahedra(nodes: Floats, point: Floats) -> tuple[int, Floats]:
+    corners = nodes[:, :4]
     edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
     rest = np.linalg.solve(edges, (point - corners[:, 0])[..., None])[..., 0]
     weights = np.column_stack([1 - rest.sum(axis=1), rest])
@@ -153,4 +192,8 @@ def _place_in_tetrahedra(corners: Floats, point: Floats) -> tuple[int, Floats]:
     # For an outside point the nearest: its weights extrapolate beyond the element.
     distance = np.linalg.norm(np.einsum("mk,mkc->mc", clipped, corners) - point, axis=1)
     element = int(np.argmin(distance))
-    return element, weights[element]
+    at = weights[element]
+    if nodes.shape[1] == 4:
+        return element, at
+    ends = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
+    return element, np.concatenate([at * (2 * at - 1), 4 * at[ends].prod(axis=1)])

@@ -9,11 +9,12 @@ from typing import Sequence, Union
 
 from palpate.authentication import wall_clock_us
 from palpate.bus import CONTROL_URL, HOUSEKEEPING_URL
+from palpate.closing import Closing
 from palpate.event_log import EventLogWriter
 from palpate.udpm import Transport
 
 
-class Recorder:
+class Recorder(Closing):
     """Writes all messages on some URLs to one log, in a background thread; for read_log(). (For
     long recordings palpate-record and lcm-logger lose fewer messages.)
 
@@ -55,9 +56,3 @@ class Recorder:
         self._writer.close()
         for transport in self._transports:
             transport.close()
-
-    def __enter__(self) -> "Recorder":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()

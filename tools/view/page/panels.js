@@ -130,7 +130,7 @@ export class Panels {
       ['cycles', health.cycles], counted('late wake-ups', health.overruns), ['their lateness, ms', fixed(health.overrun_us / 1e3, 1)],
       counted('shapes not converged', health.not_converged), ['page faults', health.page_faults],
       ['allocations', health.allocations < 0 ? 'not counted' : health.allocations], ['commands that the gate limited', health.gate_limited],
-      counted('that it refused', health.gate_refused), counted('commands without access', health.commands_refused),
+      counted('that it rejected', health.gate_rejected), counted('commands without access', health.commands_rejected),
       counted('malformed datagrams', health.malformed), counted('datagrams lost, buffer full', health.overflowed),
       counted('telemetry lost', health.telemetry_dropped), ...models]);
   }

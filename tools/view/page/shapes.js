@@ -6,15 +6,19 @@ import {facets} from './facets.js';
 const MOST_LINES = 5000;
 const CREASE = Math.cos(30 * Math.PI / 180);
 
-/** Pairs of nodes: all edges of the surface, and those with a sharp angle at rest. */
-function edgesOf(triangles, rest) {
-  const normals = [], seen = new Map(), edges = [];
+/**
+ * Pairs of nodes: all edges of the surface's elements, and those with a sharp angle at rest. Between the `middles` of
+ * edges the triangles of one face meet.
+ */
+function edgesOf({triangles, rest, middles}) {
+  const normals = [], seen = new Map(), edges = [], middle = new Set(middles);
   const corner = (n) => new THREE.Vector3().fromArray(rest, 3 * n);
   for (let t = 0; t < triangles.length; t += 3) {
     const [a, b, c] = [0, 1, 2].map((k) => corner(triangles[t + k]));
     normals.push(b.sub(a).cross(c.sub(a)).normalize());
     for (let e = 0; e < 3; ++e) {
       const i = triangles[t + e], j = triangles[t + (e + 1) % 3];
+      if (middle.has(i) && middle.has(j)) continue;
       const key = Math.min(i, j) * 2097152 + Math.max(i, j), known = seen.get(key);
       if (known) {
         known.crease = normals[known.triangle].dot(normals[t / 3]) < CREASE;
@@ -45,7 +49,7 @@ export class ShapeView {
     this.values = null;
   }
 
-  /** Sets another mesh: {hash, rest, triangles, constrained}. */
+  /** Sets another mesh: {hash, rest, triangles, constrained, middles}. */
   setMesh(mesh) {
     for (const child of [...this.group.children]) {
       this.group.remove(child);
@@ -65,7 +69,7 @@ export class ShapeView {
     this.surface = new THREE.Mesh(surface, null);
     const lines = new THREE.BufferGeometry();
     lines.setAttribute('position', this.position);
-    this.lines = edgesOf(mesh.triangles, mesh.rest);
+    this.lines = edgesOf(mesh);
     lines.setIndex(this.lines.all);
     this.edges = new THREE.LineSegments(lines, new THREE.LineBasicMaterial(
         {color: this.style.edge, transparent: true, opacity: this.style.edgeOpacity}));
@@ -113,13 +117,13 @@ export class ShapeView {
   /** Whether lines leave enough of the colours between them visible, and are cheap. */
   isCoarse() { return this.lines.all.count < 2 * MOST_LINES; }
 
-  /** Largest change of a coordinate, m; nothing is redrawn if it is zero. */
+  /** Takes over the array. Largest change of a coordinate, m; nothing is redrawn if it is zero. */
   setPositions(xyz) {
     const old = this.position.array;
     let farthest = 0;
     for (let i = 0; i < xyz.length; ++i) farthest = Math.max(farthest, Math.abs(xyz[i] - old[i]));
     if (farthest === 0) return 0;
-    old.set(xyz);
+    this.position.array = xyz;
     this.position.needsUpdate = true;
     return farthest;
   }

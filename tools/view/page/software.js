@@ -10,10 +10,8 @@ function drawsInSoftware() {
 
 export const inSoftware = drawsInSoftware();
 
-/** Canvas context for lines and texts, drawn by the processor if the graphics processor is emulated. */
-export const penOf = (canvas) => canvas.getContext('2d', {willReadFrequently: inSoftware});
-
-/** Context of an empty canvas with the screen's resolution, and its size in CSS pixels; without `pen` where it is not shown. */
+/** Context of an empty canvas with the screen's resolution, drawn by the processor if the graphics processor is emulated,
+ * and its size in CSS pixels; without `pen` where it is not shown. */
 export function cleared(canvas) {
   const ratio = Math.min(window.devicePixelRatio || 1, 2), width = canvas.clientWidth, height = canvas.clientHeight;
   if (!width) return {width, height};
@@ -21,7 +19,7 @@ export function cleared(canvas) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
   }
-  const pen = penOf(canvas);
+  const pen = canvas.getContext('2d', {willReadFrequently: inSoftware});
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, height);
   return {pen, width, height};

@@ -1,6 +1,6 @@
 // The timeline of a log: play, pause, time, rate.
 
-import {penOf} from './software.js';
+import {cleared} from './software.js';
 
 const byId = (id) => document.getElementById(id);
 
@@ -39,15 +39,12 @@ export class Timeline {
 
   drawMarks() {
     if (!this.log) return;
-    const canvas = byId('marks'), ratio = Math.min(window.devicePixelRatio || 1, 2);
-    canvas.width = canvas.clientWidth * ratio;
-    canvas.height = canvas.clientHeight * ratio;
-    const pen = penOf(canvas);
-    pen.scale(ratio, ratio);
+    const {pen, width} = cleared(byId('marks'));
+    if (!pen) return;
     const thumb = 8;  // half of the slider's handle
     for (const [time, what] of this.log.marks) {
       pen.fillStyle = /fault|refused|no_access|wrong/.test(what) ? '#f2686a' : /degraded/.test(what) ? '#f0b440' : '#4cc2ff';
-      pen.fillRect(thumb + (canvas.clientWidth - 2 * thumb) * time / this.log.duration - 1, 1, 2, 7);
+      pen.fillRect(thumb + (width - 2 * thumb) * time / this.log.duration - 1, 1, 2, 7);
     }
   }
 

@@ -1,163 +1,192 @@
-// Cost of a plug-in: a control law, an estimator and a deformation model of palpate, called
-// directly and through the guards of plug-ins, in pairs of random order. Prints the median of each
-// and of the paired difference with its 95 % interval.
-//   bench_rt_plugin [PAIRS]
+// Cost of a plug-in: the tick of a pipeline with a control law, an estimator or a deformation model
+// of palpate, and of one with the same component as a plug-in (twins.cpp), in pairs of random
+// order. Where their memory lies changes a tick by microseconds, so both are constructed several
+// times. Prints p50 of each, and the median over these of the median paired difference, with its
+// 95 % bootstrap interval, whose upper end may be 1 us.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
-#include <functional>
+#include <iostream>
 #include <random>
+#include <stdexcept>
 
-#include "core/control/twist_law.hpp"
-#include "core/elasticity/comparison/linear_model.hpp"
-#include "core/estimation/pose_driven.hpp"
-#include "core/shape/point_features.hpp"
 #include "rt/config/command_line.hpp"
-#include "rt/plugin/plugin_guards.hpp"
-#include "tests/unit/core/estimation/rigid_model.hpp"
+#include "rt/pipeline/pipeline.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 #include "tools/common/bootstrap.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate {
 namespace {
 
-class Law final : public plugin::PluginControlLaw {
+constexpr double kPeriod = 1e-3;  // s
+
+class Stopwatch {
  public:
-  void configure_for(const shape::Feature& feature) override {
-    law_.configure_for(feature);
-    output_.unreachable.setZero(feature.dimension());
-  }
-  void compute(const control::LawInputs& inputs, plugin::PluginLawOutput& output) override {
-    law_.compute(inputs, output_);
-    output.V_O_G = output_.V_O_G;
-    output.unreachable = output_.unreachable;
-    output.remark = output_.remark;
-  }
+  void start() { begin_ = std::chrono::steady_clock::now(); }
+  void stop() { time_ += std::chrono::steady_clock::now() - begin_; }
+  double microseconds() const { return std::chrono::duration<double, std::micro>(time_).count(); }
 
  private:
-  control::ProportionalTwist law_{{}};
-  control::LawOutput output_;
+  std::chrono::steady_clock::time_point begin_;
+  std::chrono::steady_clock::duration time_{};
 };
 
-class Estimator final : public plugin::PluginEstimator {
+/// The bar of the examples, steered to a target while its hand swings.
+class Loop {
  public:
-  void activate(elasticity::DeformationModel& model) override { estimator_.activate(model); }
-  UpdateResult update(const estimation::EstimationInputs& inputs,
-                      elasticity::DeformationModel& model,
-                      estimation::Estimate& estimate) override {
-    return estimator_.update(inputs, model, estimate);
+  explicit Loop(const std::vector<std::string>& settings)
+      : pipeline_(configuration(settings), kPeriod), signals_(support::at_rest(pipeline_)) {
+    rest_W_ = signals_.robot.latest.X_WE.translation();
+    const Eigen::Vector3d target(0.25, 0.03, 0.08);  // m
+    const char* reason = "";
+    pipeline_.start();
+    if (!pipeline_.set_target(1, "point", nullptr, 0, target.data(), 3, reason))
+      throw std::runtime_error(reason);
   }
 
- private:
-  estimation::PoseDriven estimator_{{}};
-};
-
-class Model final : public plugin::PluginDeformationModel {
- public:
-  explicit Model(const elasticity::Body& body) : model_(body) {}
-  void prepare() override { model_.prepare(); }
-  void hold(int grasp, const math::Pose& X_OG) override { model_.hold(grasp, X_OG); }
-  void release(int grasp) override { model_.release(grasp); }
-  void set_gravity(const Eigen::Vector3d& gravity_O) override { model_.set_gravity(gravity_O); }
-  elasticity::StepReport step(double dt, const Eigen::Matrix3Xd& loads, Nodes positions,
-                              Nodes velocities) override {
-    model_.loads() = loads;
-    const elasticity::StepReport report = model_.step(dt);
-    positions = model_.positions();
-    velocities = model_.velocities();
-    return report;
+  /// us of a cycle, without the factorisation, which is made in another thread.
+  double tick(int cycle) {
+    constexpr double kSwing = 5e-3, kRate = 2;  // m, rad/s
+    signals_.robot.latest.X_WE.translation() =
+        rest_W_ + Eigen::Vector3d(0, 0, kSwing * std::sin(kRate * kPeriod * cycle));
+    Stopwatch watch;
+    watch.start();
+    pipeline_.sense(signals_, signals_);
+    pipeline_.distribute();
+    watch.stop();
+    while (elasticity::Refactorisation* job = pipeline_.model().wanted_refactorisation()) {
+      job->run();
+      pipeline_.model().install(*job);
+    }
+    watch.start();
+    pipeline_.estimate(kPeriod);
+    pipeline_.evaluate_feature();
+    pipeline_.control(kPeriod);
+    pipeline_.gate(kPeriod);
+    watch.stop();
+    return watch.microseconds();
   }
-  void reset() override { model_.reset(); }
-  math::Wrench reaction(int grasp) const override { return model_.reaction(grasp); }
-  const elasticity::Sensitivity* sensitivity() const override { return &model_.sensitivity(); }
+
+  math::Vector6d command() const { return pipeline_.gate_output(0).V_W_E.vector(); }
 
  private:
-  elasticity::LinearModel model_;
+  static config::Node configuration(std::vector<std::string> settings) {
+    settings.insert(settings.begin(), {"plugins=[{library: twins.so}]", "sensing=[]"});
+    return config::Node::load_file(
+        std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml", settings);
+  }
+
+  pipeline::Pipeline pipeline_;
+  sensing::Signals signals_;
+  Eigen::Vector3d rest_W_;
 };
 
-double microseconds(const std::function<void()>& call) {
-  const auto begin = std::chrono::steady_clock::now();
-  call();
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin)
-      .count();
+struct Cost {
+  double built_in, plug_in;  // us, p50 of a tick
+  common::Interval95 difference;
+};
+
+struct Ticks {
+  std::vector<double> direct, guarded, difference;  // us
+};
+
+/// Throws std::runtime_error if the commands differ: then it is not the same component.
+Ticks measure(Loop& own, Loop& plugged, int pairs, std::mt19937& random) {
+  constexpr int kSettled = 200;  // cycles
+  Ticks ticks;
+  for (int i = -kSettled; i < pairs; ++i) {
+    const bool first = random() % 2 == 0;
+    double by_plugin = first ? plugged.tick(i) : 0;
+    const double by_built_in = own.tick(i);
+    if (!first) by_plugin = plugged.tick(i);
+    if (!((own.command() - plugged.command()).norm() <= 1e-12))
+      throw std::runtime_error("the plug-in commands something else than the built-in component");
+    if (i < 0) continue;
+    ticks.direct.push_back(by_built_in);
+    ticks.guarded.push_back(by_plugin);
+    ticks.difference.push_back(by_plugin - by_built_in);
+  }
+  if (own.command().norm() == 0) throw std::runtime_error("nothing is steered");
+  return ticks;
 }
 
-void compare(const char* name, int pairs, const std::function<void()>& built_in,
-             const std::function<void()>& plugged) {
+Cost compare(int pairs, int layouts, const std::vector<std::string>& built_in,
+             const std::vector<std::string>& plug_in) {
   std::mt19937 random(1);
   std::vector<double> direct, guarded, difference;
-  for (int i = 0; i < pairs; ++i) {
+  std::vector<std::vector<char>> ballast;  // moves what is allocated after it
+  for (int i = 0; i < layouts; ++i) {
+    ballast.emplace_back(1 + random() % 100'000);
     const bool first = random() % 2 == 0;
-    double by_plugin = first ? microseconds(plugged) : 0;
-    const double by_built_in = microseconds(built_in);
-    if (!first) by_plugin = microseconds(plugged);
-    direct.push_back(by_built_in);
-    guarded.push_back(by_plugin);
-    difference.push_back(by_plugin - by_built_in);
+    Loop one(first ? plug_in : built_in);
+    ballast.emplace_back(1 + random() % 100'000);
+    Loop other(first ? built_in : plug_in);
+    const Ticks ticks =
+        measure(first ? other : one, first ? one : other, std::max(1, pairs / layouts), random);
+    direct.insert(direct.end(), ticks.direct.begin(), ticks.direct.end());
+    guarded.insert(guarded.end(), ticks.guarded.begin(), ticks.guarded.end());
+    difference.push_back(common::median_of(ticks.difference).value);
   }
-  std::printf("%-10s built in %7.2f us, plug-in %7.2f us, difference %s us\n", name,
-              common::median_of(direct).value, common::median_of(guarded).value,
-              common::median_and_interval(difference, 3).c_str());
+  return {common::median_of(direct).value, common::median_of(guarded).value,
+          common::median_of(difference)};
 }
 
-void run(int pairs) {
-  const elasticity::Body body = support::held_bar({10, 2, 2}, mesh::ElementOrder::kLinear);
-  const auto prepared = [](std::unique_ptr<elasticity::DeformationModel> model) {
-    model->prepare();
-    model->hold(0, model->body().grasps[0].X_OG_rest);
-    return model;
+/// False if a component costs more than `limit` us.
+bool run(int pairs, int layouts, double limit) {
+  struct Row {
+    const char* name;
+    std::vector<std::string> built_in, plug_in;
   };
-  const auto model = prepared(std::make_unique<elasticity::LinearModel>(body));
-  const auto plugged_model = prepared(plugin::guard(std::make_unique<Model>(body), "model", body));
-  compare(
-      "model", pairs, [&] { model->step(1e-3); }, [&] { plugged_model->step(1e-3); });
-
-  estimation::EstimationInputs inputs;
-  inputs.grasp_count = 1;
-  inputs.grasps[0].pose_freshness = Freshness::kNew;
-  inputs.grasps[0].holding = true;
-  inputs.grasps[0].X_OG = body.grasps[0].X_OG_rest;
-  const auto activated = [&](std::unique_ptr<estimation::Estimator> estimator) {
-    estimator->activate(*model);
-    return estimator;
+  const Row rows[] = {
+      {"control law proportional_twist",
+       {"control={provider: fem, law: proportional_twist}"},
+       {"control={provider: fem, law: twin_law}"}},
+      {"estimator pose_driven",
+       {"estimation={component: pose_driven}"},
+       {"estimation={component: twin_estimator}"}},
+      {"deformation model linear",
+       {"deformation={component: linear}"},
+       {"deformation={component: twin_model}"}},
   };
-  const auto estimator =
-      activated(std::make_unique<estimation::PoseDriven>(estimation::PoseDriven::Options{}));
-  const auto plugged_estimator =
-      activated(plugin::guard(std::make_unique<Estimator>(), "estimator"));
-  estimation::Estimate estimate;
-  compare(
-      "estimator", pairs, [&] { static_cast<void>(estimator->update(inputs, *model, estimate)); },
-      [&] { static_cast<void>(plugged_estimator->update(inputs, *model, estimate)); });
-
-  shape::PointFeature feature(body.mesh, {{0.25, 0.03, 0.06}, {0, 1, 2}});
-  const Eigen::VectorXd value = Eigen::VectorXd::Zero(3), target = Eigen::VectorXd::Ones(3) * 0.01,
-                        error = target;
-  const Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(3, 6);
-  control::LawInputs law_inputs;
-  law_inputs.value = &value;
-  law_inputs.target = &target;
-  law_inputs.error = &error;
-  law_inputs.jacobian = &jacobian;
-  control::LawOutput output;
-  output.unreachable.setZero(3);
-  control::ProportionalTwist law{{}};
-  law.configure_for(feature);
-  const auto plugged_law = plugin::guard(std::make_unique<Law>(), "law");
-  plugged_law->configure_for(feature);
-  compare(
-      "law", pairs, [&] { law.compute(law_inputs, output); },
-      [&] { plugged_law->compute(law_inputs, output); });
+  common::Table table({"component", "p50 built in us", "p50 plug-in us", "paired difference us",
+                       "95 % interval us", "limit us", ""});
+  bool met = true;
+  for (const Row& row : rows) {
+    const Cost cost = compare(pairs, layouts, row.built_in, row.plug_in);
+    const bool good = cost.difference.high <= limit;
+    met = met && good;
+    table.add(
+        {row.name, common::number(cost.built_in, 2), common::number(cost.plug_in, 2),
+         common::number(cost.difference.value, 3),
+         common::number(cost.difference.low, 3) + " to " + common::number(cost.difference.high, 3),
+         common::number(limit, 1), good ? "met" : "MISSED"});
+  }
+  table.print(std::cout);
+  std::cout << pairs << " pairs of ticks of each, in " << layouts
+            << " constructions; bootstrap of the median of their differences over constructions\n";
+  return met;
 }
 
 }  // namespace
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  int pairs = 20000;
-  CLI::App app("Cost of a plugged-in model, estimator and law compared with the same built in.");
-  app.add_option("pairs", pairs, "Number of pairs of calls")->check(CLI::Range(2, 10000000));
+  int pairs = 20000, layouts = 20;
+  double limit = 1;
+  CLI::App app("Cost of a plugged-in law, estimator and model compared with the same built in.");
+  app.add_option("pairs", pairs, "number of pairs of ticks")->check(CLI::Range(2, 10000000));
+  app.add_option("--layouts", layouts, "number of constructions, each elsewhere in memory")
+      ->check(CLI::Range(2, 10000));
+  app.add_option("--limit", limit, "us, upper end of the interval above which it ends with 1");
   if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
-  palpate::run(pairs);
-  return 0;
+  try {
+    return palpate::run(pairs, layouts, limit) ? 0 : palpate::config::kExitError;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return palpate::config::kExitError;
+  }
 }

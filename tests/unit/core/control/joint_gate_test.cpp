@@ -147,7 +147,7 @@ TEST_F(SlidingTable, AllocatesNothing) {
   EXPECT_EQ(scope.count(), 0);
 }
 
-TEST(JointGate, RefusesLimitsThatMakeNoSense) {
+TEST(JointGate, RejectsLimitsThatMakeNoSense) {
   const auto with = [](auto change) {
     JointLimits limits = three_joints();
     change(limits);

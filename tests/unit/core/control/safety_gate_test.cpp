@@ -88,7 +88,7 @@ TEST(SafetyGate, InactiveIsAtRestWithin100Milliseconds) {
   EXPECT_FALSE(output.rejected);
 }
 
-TEST(SafetyGate, RefusesWhileForceOrTorqueIsTooHigh) {
+TEST(SafetyGate, RejectsWhileForceOrTorqueIsTooHigh) {
   SafetyGate gate{GateLimits()};
   GateInputs inputs = request({0.1, 0, 0});
   inputs.wrench_valid = true;
@@ -112,7 +112,7 @@ TEST(SafetyGate, RefusesWhileForceOrTorqueIsTooHigh) {
   EXPECT_TRUE(gate.apply(inputs).rejected);
 }
 
-TEST(SafetyGate, RefusesNonsenseAndRampsDown) {
+TEST(SafetyGate, RejectsNonsenseAndRampsDown) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   SafetyGate gate{GateLimits()};
   const GateInputs good = request({0.1, 0, 0});
@@ -147,7 +147,7 @@ TEST(SafetyGate, AnOverloadIsForgottenWithoutAStepOfTheCommand) {
   EXPECT_GT(output.V_W_E.linear.x(), 0.5 * braking);
 }
 
-TEST(SafetyGate, RefusesBadLimits) {
+TEST(SafetyGate, RejectsBadLimits) {
   GateLimits limits;
   limits.linear_speed = 0;
   EXPECT_THROW(SafetyGate{limits}, std::invalid_argument);

@@ -12,7 +12,7 @@ namespace palpate::elasticity {
 inline mesh::TetrahedralMesh thesis_mesh(const std::string& name) {
   const std::filesystem::path folder = support::recordings() / "thesis_meshes";
   std::ifstream node(folder / (name + ".node")), ele(folder / (name + ".ele"));
-  mesh::TetrahedralMesh mesh = mesh::read_tetgen(node, name + ".node", ele, name + ".ele");
+  mesh::TetrahedralMesh mesh = mesh::read_tetgen(node, name + ".node", ele, name + ".ele").mesh;
   mesh::orient(mesh);
   return mesh;
 }

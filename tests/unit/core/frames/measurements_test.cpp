@@ -92,16 +92,24 @@ TEST_F(MeasurementsTest, AManualContactIsUnchanged) {
   EXPECT_EQ(contacts.contacts[0].wrench.force, Vector3d(1, 2, 3));
 }
 
+estimation::GraspInput grasp_input(const ArmMeasurements& arm,
+                                   const sensing::ContactSet& contacts_O) {
+  estimation::GraspInput input;
+  input.wrench_valid = true;  // of the previous tick
+  update_grasp(arm, 0, contacts_O, input);
+  return input;
+}
+
 TEST_F(MeasurementsTest, AGraspHasThePoseAndTheWrenchOfItsOwnHand) {
   sensing::ContactSet contacts_O = located(contact(Source::kWrist1));
   const ArmMeasurements arm{frames_, signals_, true};
-  estimation::GraspInput input = grasp_input(arm, 0, contacts_O);
+  estimation::GraspInput input = grasp_input(arm, contacts_O);
   EXPECT_TRUE(input.holding);
   EXPECT_EQ(input.pose_freshness, Freshness::kNew);
   EXPECT_TRUE(input.X_OG.isApprox(X_OG()));
   EXPECT_FALSE(input.wrench_valid);
   contacts_O = located(contact(Source::kWrist0));
-  input = grasp_input(arm, 0, contacts_O);
+  input = grasp_input(arm, contacts_O);
   EXPECT_TRUE(input.wrench_valid);
   EXPECT_EQ(input.F_G_O.force, contacts_O.contacts[0].wrench.force);
 }
@@ -110,10 +118,10 @@ TEST_F(MeasurementsTest, AHandThatReportsItsGraspDecidesWhetherItHolds) {
   const ArmMeasurements arm{frames_, signals_, true};
   signals_.hand.freshness = Freshness::kOld;
   signals_.hand.latest.grasp = sensing::Grasp::kNone;
-  EXPECT_FALSE(grasp_input(arm, 0, {}).holding);
+  EXPECT_FALSE(grasp_input(arm, {}).holding);
   signals_.hand.latest.grasp = sensing::Grasp::kHolding;
-  EXPECT_TRUE(grasp_input(arm, 0, {}).holding);
-  EXPECT_FALSE(grasp_input({frames_, signals_, false}, 0, {}).holding);
+  EXPECT_TRUE(grasp_input(arm, {}).holding);
+  EXPECT_FALSE(grasp_input({frames_, signals_, false}, {}).holding);
 }
 
 TEST_F(MeasurementsTest, ObservedPointsAreConvertedOnce) {

@@ -24,7 +24,8 @@ TEST(MeshDefects, NothingIsSaidOfGoodMeshes) {
   for (int i = 0; i < kMeshes; ++i) {
     const MeshReport report = check(random.make());
     ASSERT_TRUE(report.ok()) << "mesh " << i << ": " << report.text();
-    ASSERT_EQ(report.non_manifold_edges + report.non_manifold_nodes, 0) << "mesh " << i;
+    ASSERT_EQ(report.non_manifold_edges.size() + report.non_manifold_nodes.size(), 0U)
+        << "mesh " << i;
   }
 }
 
@@ -156,7 +157,9 @@ TEST(MeshDefects, HingedAtANode) {
         mesh.nodes.row(0).maxCoeff(&first);
         add_outside(mesh, {first});
       },
-      [](const MeshReport& report) { return report.parts == 1 && report.non_manifold_nodes == 1; },
+      [](const MeshReport& report) {
+        return report.parts == 1 && report.non_manifold_nodes.size() == 1;
+      },
       false);
 }
 
@@ -166,7 +169,9 @@ TEST(MeshDefects, HingedAtAnEdge) {
         const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
         add_outside(mesh, {surface.triangles(0, 0), surface.triangles(1, 0)});
       },
-      [](const MeshReport& report) { return report.parts == 1 && report.non_manifold_edges == 1; },
+      [](const MeshReport& report) {
+        return report.parts == 1 && report.non_manifold_edges.size() == 1;
+      },
       false);
 }
 

@@ -44,7 +44,7 @@ std::string error_of(Read read) {
 
 TetrahedralMesh tetgen(const std::string& node, const std::string& ele) {
   std::istringstream nodes(node), elements(ele);
-  return read_tetgen(nodes, "a.node", elements, "a.ele");
+  return read_tetgen(nodes, "a.node", elements, "a.ele").mesh;
 }
 
 MeshWithGroups gmsh(const std::string& text) {

@@ -36,7 +36,6 @@ TEST(TetrahedronQuality, OfARegularOneAnywhereAndOfAnySize) {
     EXPECT_NEAR(q.smallest_angle, std::acos(1.0 / 3), 1e-12);
     EXPECT_NEAR(q.largest_angle, std::acos(1.0 / 3), 1e-12);
     EXPECT_NEAR(std::abs(q.volume), 8.0 / 3 * std::pow(size, 3), 1e-9 * std::pow(size, 3));
-    EXPECT_NEAR(q.shortest_edge, std::sqrt(8.0) * size, 1e-12 * size);
   }
 }
 
@@ -76,7 +75,7 @@ TEST(RoundMesh, CylindersHaveTheirVolumeAndGoodElements) {
       const MeshWithGroups mesh = make_cylinder(0.025, 0.2, rings, 8 * rings, sides);
       const MeshReport report = check(mesh.mesh);
       ASSERT_TRUE(report.ok()) << report.text();
-      EXPECT_EQ(report.non_manifold_edges + report.non_manifold_nodes, 0);
+      EXPECT_EQ(report.non_manifold_edges.size() + report.non_manifold_nodes.size(), 0U);
       EXPECT_GT(report.quality_min, 0.6);
       const double exact = EIGEN_PI * 0.025 * 0.025 * 0.2;
       if (sides == RoundSides::kFull) {

@@ -113,7 +113,7 @@ TEST_F(DaemonAccess, RefusesForgedChangedAndMisdirectedCommands) {
   send("COMPONENT_COMMAND", misdirected);
   run(200);
   EXPECT_FALSE(runs());
-  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 4);
+  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_rejected, 4);
 }
 
 TEST_F(DaemonAccess, RefusesARecordedStart) {
@@ -125,7 +125,7 @@ TEST_F(DaemonAccess, RefusesARecordedStart) {
   send("COMPONENT_COMMAND", start);
   run(200);
   EXPECT_FALSE(runs());
-  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 1);
+  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_rejected, 1);
 }
 
 TEST_F(DaemonAccess, AnswersACommandThatComesAgainAsBefore) {
@@ -146,7 +146,7 @@ TEST_F(DaemonAccess, ReportsAFloodOnceASecondAndCountsAll) {
   }
   run(100);
   EXPECT_FALSE(runs());
-  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 2500);
+  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_rejected, 2500);
   const std::vector<std::string> reasons = reasons_of("no_access");
   ASSERT_GE(reasons.size(), 2u);
   EXPECT_LE(reasons.size(), 3u);
@@ -167,7 +167,7 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
   send("SHAPE_TARGET", target);
   send("MANUAL_FORCE", force);
   run(200);
-  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 2);
+  EXPECT_EQ(sent<health_t>("HEALTH").back().commands_rejected, 2);
   EXPECT_EQ(daemon_->inputs().signals().manual.freshness, Freshness::kNoData);
   EXPECT_TRUE(reasons_of("target").empty());
 

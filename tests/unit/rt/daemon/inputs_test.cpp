@@ -3,6 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <palpate/biotac_t.hpp>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/manual_force_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_observation_t.hpp>
 #include <set>
 
 namespace palpate::daemon {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <palpate/robot_state_t.hpp>
 #include <palpate/twist_command_t.hpp>
 
 #include "rt/bus/text.hpp"

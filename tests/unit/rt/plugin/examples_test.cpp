@@ -18,7 +18,8 @@ TEST(Examples, EachSteersTheBarInItsSlot) {
   for (const char* setting :
        {"sensing=[{component: ft_median, tare_samples: 10}]",
         "contact=[{component: nearest_nodes}]", "estimation={component: smoothed_hand}",
-        "deformation={component: blended}", "control={provider: fem, law: integral_twist}"}) {
+        "deformation={component: blended}", "control={provider: fem, law: integral_twist}",
+        "control={provider: smoothed_fem, law: proportional_twist}"}) {
     Running running({kExamples, "sensing=[]", setting});
     running.run(100);
     expect_active(running);
@@ -48,6 +49,8 @@ TEST(Examples, OptionsOutOfRangeAreRefusedWithTheirMeaning) {
                    {"contact.0.nodes", "1 to 16", "number of nodes that share a force"});
   expect_complaint({kExamples, "feature={component: midpoint, first: [0, 0, 0]}"},
                    {"feature.second", "point of the rest shape"});
+  expect_complaint({kExamples, "control={provider: smoothed_fem, time_constant_ms: -1}"},
+                   {"control.time_constant_ms", "0 to 10000", "time constant"});
   expect_complaint({kExamples, "sensing=[{component: ft_median, samples: 4}]"},
                    {"sensing.0.component", "samples must be odd"});
 }

@@ -7,11 +7,13 @@
 
 #include "rt/pipeline/pipeline.hpp"
 #include "tests/support/pipeline_cycles.hpp"
+#include "tools/lab/unruly/settings.hpp"
 
 namespace palpate::plugin {
 
-inline const std::string kLibraries = PALPATE_TEST_PLUGINS;
-inline const std::string kUnruly = "plugins=[{library: " + kLibraries + "/unruly.so}]";
+using unruly::estimator, unruly::feature, unruly::kErrors, unruly::kSlots, unruly::law,
+    unruly::model, unruly::provider, unruly::sensor, unruly::transformer;
+inline const std::string& kUnruly = unruly::kLibrary;
 
 inline config::Node example(std::vector<std::string> overrides) {
   return config::Node::load_file(
@@ -34,10 +36,6 @@ inline void expect_complaint(const std::vector<std::string>& overrides,
   const std::string error = error_of(overrides);
   for (const std::string& word : words)
     EXPECT_NE(error.find(word), std::string::npos) << word << " is not in: " << error;
-}
-
-inline std::string library(const std::string& name) {
-  return "plugins=[{library: " + kLibraries + "/" + name + "}]";
 }
 
 /// A pipeline that is started with a target, with the signals of a hand that holds the bar.
@@ -66,27 +64,5 @@ class Running {
  private:
   sensing::Signals signals_;
 };
-
-inline std::string sensor(const std::string& does, const std::string& more = "") {
-  return "sensing=[{name: wrist, component: unruly_sensor, does: " + does + more + "}]";
-}
-inline std::string law(const std::string& does, const std::string& more = "") {
-  return "control={provider: fem, law: unruly_law, does: " + does + more + "}";
-}
-inline std::string estimator(const std::string& does, const std::string& more = "") {
-  return "estimation={component: unruly_estimator, does: " + does + more + "}";
-}
-inline std::string model(const std::string& does, const std::string& more = "") {
-  return "deformation={component: unruly_model, does: " + does + more + "}";
-}
-inline std::string feature(const std::string& does, const std::string& more = "") {
-  return "feature={component: unruly_feature, does: " + does + more + "}";
-}
-inline std::string provider(const std::string& does, const std::string& more = "") {
-  return "control={provider: unruly_provider, law: proportional_twist, does: " + does + more + "}";
-}
-inline std::string transformer(const std::string& does, const std::string& more = "") {
-  return "contact=[{component: unruly_transformer, does: " + does + more + "}]";
-}
 
 }  // namespace palpate::plugin

@@ -1,4 +1,4 @@
-#include "rt/registry/learned_sensors.hpp"
+#include "rt/registry/sensors.hpp"
 
 #ifndef PALPATE_WITHOUT_TORCH
 
@@ -149,7 +149,7 @@ TEST_F(LearnedComponents, MistakesAreNamed) {
   observer_.rate = 300;
   finger_.average = 0.1;
   write();
-  EXPECT_THAT(complaint("ft_rnnob"), HasSubstr("must be a multiple of the model's"));
+  EXPECT_THAT(complaint("ft_rnnob"), HasSubstr("rate: 300"));
   EXPECT_THAT(complaint("biotac_lstm"), HasSubstr("averaged counts"));
   observer_.rate = 100;
   observer_.delays[0].stream = "camera";

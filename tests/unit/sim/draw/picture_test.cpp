@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include "sim/draw/annotate.hpp"
 #include "sim/draw/image.hpp"
@@ -28,10 +27,6 @@ TEST(Png, ReadsBackWhatWasWritten) {
   EXPECT_EQ(back.width, image.width);
   EXPECT_EQ(back.height, image.height);
   EXPECT_EQ(back.rgb, image.rgb);
-
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_EQ(encode_png(image), bytes);
   std::remove(path.c_str());
 }
 

@@ -165,7 +165,6 @@ TEST(Renderer, SphereAndCylinderHaveTheirSilhouettes) {
 
 TEST(Renderer, LinesArrowsAndVertexColoursShow) {
   Renderer renderer(kWidth, kHeight);
-  renderer.set_background({1, 1, 1, 1}, {1, 1, 1, 1});
   renderer.begin(view_along_x(2));
   renderer.draw_line({0, -0.5, 0}, {0, 0.5, 0}, 3, kRed);
   EXPECT_TRUE(reddish(renderer.end().pixel(kWidth / 2, kHeight / 2)));

@@ -111,7 +111,7 @@ TEST(CompliantGrasp, SlippingHandsImpulseIsTheMomentumOfAFreeBody) {
     most_slipped = plant.grasp().slip().greatest;
   }
   EXPECT_GT(most_slipped, 1e-4);
-  EXPECT_LT((plant.linear_momentum() - impulse).norm(), 1e-9 * impulse.norm());
+  EXPECT_LT((linear_momentum(plant) - impulse).norm(), 1e-9 * impulse.norm());
 }
 
 TEST(CompliantGrasp, TwoHandsPullAgainstEachOther) {
@@ -132,11 +132,6 @@ TEST(CompliantGrasp, TwoHandsPullAgainstEachOther) {
   const double strain = 0.05, area = 0.06 * 0.05;
   EXPECT_GT(force, 0.9 * 30e3 * strain * area);
   EXPECT_LT(force, 1.35 * 30e3 * strain * area);
-  plant.set_grasped(false, 1);
-  EXPECT_FALSE(plant.grasped(1));
-  EXPECT_TRUE(plant.grasped(0));
-  EXPECT_TRUE(plant.settle(10, 1e-6).converged);
-  EXPECT_NEAR(plant.hand_wrench(0).force.norm(), 0, 1e-6);
 }
 
 TEST(CompliantGrasp, RefusesNonsense) {

@@ -27,10 +27,9 @@ TEST(FingertipContact, SphereOnASlabFollowsHertz) {
   PlantOptions options = slab({12, 12, 6});
   options.fingertips[0].friction = 0;
   options.fingertips[0].stiffness = 1e8;  // stiff compared with the slab
-  HyperelasticPlant plant(options);
   const double radius = 0.03, thickness = 0.024, nu = 0.3, modulus = 30e3 / (1 - nu * nu);
   for (const double indentation : {0.4e-3, 0.8e-3}) {
-    plant.remove_fingertip(0);
+    HyperelasticPlant plant(options);
     plant.move_fingertip(0, {0.024, 0.024, thickness + radius - indentation}, {});
     EXPECT_TRUE(plant.settle(5, 1e-4).converged);
     const FingertipTouch& touch = plant.fingertip(0).touch();
@@ -73,12 +72,12 @@ TEST(FingertipContact, ActionIsReaction) {
     most = std::max(most, plant.fingertip(0).touch().friction.norm());
   }
   EXPECT_GT(most, 1e-3);
-  EXPECT_LT((plant.linear_momentum() - impulse).norm(), 1e-11 * impulse.norm());
+  EXPECT_LT((linear_momentum(plant) - impulse).norm(), 1e-11 * impulse.norm());
 }
 
 TEST(FingertipContact, TorqueIsReactionToo) {
   HyperelasticPlant plant(slab({4, 4, 2}));
-  ContactSurface surface(HexahedralGrid({0, 0, 0}, {0.048, 0.048, 0.024}, {4, 4, 2}), 2e-3);
+  ContactSurface surface(even_grid({0, 0, 0}, {0.048, 0.048, 0.024}, {4, 4, 2}), 2e-3);
   FingertipOptions options;
   options.radius = 0.03;
   options.stiffness = 1e8;
@@ -142,7 +141,9 @@ TEST(FingertipContact, LeavesNoTraceBehind) {
   plant.move_fingertip(0, {0.024, 0.024, 0.024 + 0.0285}, {});
   EXPECT_TRUE(plant.fingertip(0).touch().touching);
   plant.step(1e-3);
-  plant.remove_fingertip(0);
+  plant.move_fingertip(0, {0.024, 0.024, 0.1}, {});
+  plant.step(1e-3);
+  plant.step(1e-3);
   EXPECT_TRUE(plant.settle(5, 1e-6).converged);
   EXPECT_LT((plant.positions() - plant.rest_positions()).cwiseAbs().maxCoeff(), 1e-7);
   EXPECT_EQ(plant.fingertip(0).mean_wrench().force.norm(), 0);

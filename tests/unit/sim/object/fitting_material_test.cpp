@@ -3,6 +3,7 @@
 #include "core/solid/strain_energy.hpp"
 #include "sim/object/neo_hookean_solid.hpp"
 #include "tests/support/solid/strain_energy_tensor.hpp"
+#include "tests/unit/sim/object/plant_rig.hpp"
 
 namespace palpate::object {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 TEST(FittingMaterial, OneElementHasThePlantsEnergyAndForces) {
   const double E = 30e3, nu = 0.3;
   const Eigen::Vector3d size(0.02, 0.03, 0.05);
-  const HexahedralGrid grid(Eigen::Vector3d::Zero(), size, {1, 1, 1});
+  const HexahedralGrid grid = even_grid(Eigen::Vector3d::Zero(), size, {1, 1, 1});
   NeoHookeanSolid solid(grid, {NeoHookean::from_young(E, nu)});
   Eigen::Matrix3d F;
   F << 1.3, 0.2, -0.1, 0.05, 0.8, 0.15, 0.1, -0.2, 1.1;

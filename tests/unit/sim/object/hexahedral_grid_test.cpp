@@ -4,13 +4,15 @@
 
 #include <Eigen/Geometry>
 
+#include "tests/unit/sim/object/plant_rig.hpp"
+
 namespace palpate::object {
 namespace {
 
 const Eigen::Vector3d kOrigin(0.1, -0.2, 0.3);
 const Eigen::Vector3d kHexahedralGridSize(0.5, 0.06, 0.04);
 
-HexahedralGrid grid() { return {kOrigin, kHexahedralGridSize, {14, 2, 1}}; }
+HexahedralGrid grid() { return even_grid(kOrigin, kHexahedralGridSize, {14, 2, 1}); }
 
 TEST(HexahedralGrid, CountsNodesAndSharesOutTheVolume) {
   const HexahedralGrid g = grid();

@@ -49,8 +49,8 @@ TEST(HyperelasticPlant, FreeBodyKeepsMomentumAndEnergy) {
                         Eigen::Vector3d(20 * p.x() * p.x(), 10 * p.x() * p.y(), -15 * p.z());
   }
   plant.set_state(plant.rest_positions(), velocities);
-  const Eigen::Vector3d linear = plant.linear_momentum();
-  const Eigen::Vector3d angular = plant.angular_momentum();
+  const Eigen::Vector3d linear = linear_momentum(plant);
+  const Eigen::Vector3d angular = angular_momentum(plant);
   const double energy = plant.kinetic_energy() + plant.elastic_energy();
   double most_elastic = 0;
   double early = 0;  // mean error of the energy over the first and the last quarter of a second
@@ -63,8 +63,8 @@ TEST(HyperelasticPlant, FreeBodyKeepsMomentumAndEnergy) {
     if (i >= 2750) late += error / 250;
     EXPECT_LT(std::abs(error), 0.05 * energy);  // it oscillates with the square of the step
   }
-  EXPECT_LT((plant.linear_momentum() - linear).norm(), 1e-11 * linear.norm());
-  EXPECT_LT((plant.angular_momentum() - angular).norm(), 1e-11 * angular.norm());
+  EXPECT_LT((linear_momentum(plant) - linear).norm(), 1e-11 * linear.norm());
+  EXPECT_LT((angular_momentum(plant) - angular).norm(), 1e-11 * angular.norm());
   EXPECT_GT(most_elastic, 0.02 * energy);  // it does deform
   EXPECT_LT(std::abs(late - early), 0.005 * energy);
   std::printf("energy drift over 3 s: %.2g of the energy\n", (late - early) / energy);
@@ -189,7 +189,7 @@ TEST(HyperelasticPlant, HandWrenchIsTheImpulseThatMovesAFreeBody) {
     impulse += 1e-3 * plant.hand_wrench().force;
   }
   EXPECT_GT(impulse.norm(), 1e-4);
-  EXPECT_LT((plant.linear_momentum() - impulse).norm(), 1e-9 * impulse.norm());
+  EXPECT_LT((linear_momentum(plant) - impulse).norm(), 1e-9 * impulse.norm());
 }
 
 TEST(HyperelasticPlant, FollowsTheHandRigidlyWhenFree) {
@@ -205,23 +205,6 @@ TEST(HyperelasticPlant, FollowsTheHandRigidlyWhenFree) {
   }
   EXPECT_TRUE(plant.settle(30, 1e-5).converged);
   EXPECT_LT((plant.positions() - X * plant.rest_positions()).colwise().norm().maxCoeff(), 1e-6);
-}
-
-TEST(HyperelasticPlant, LetsGoAndTakesHoldWithoutAJump) {
-  PlantOptions options = bar();
-  options.grasps = {hold(face_x(0.5), hand_at_end())};
-  options.gravity_O = {0, 0, -kGravity};
-  HyperelasticPlant plant(options);
-  plant.settle(30, 1e-5);
-  plant.set_grasped(false);
-  for (int i = 0; i < 300; ++i) plant.step(1e-3, hand_at_end(), {});
-  EXPECT_EQ(plant.hand_wrench().force.norm(), 0);
-  EXPECT_LT(plant.position_at({0.5, 0.03, 0.03}).z(), 0.02);  // free fall
-  plant.settle(60, 1e-5);
-  const Eigen::Matrix3Xd hanging = plant.positions();
-  plant.set_grasped(true);
-  for (int i = 0; i < 100; ++i) plant.step(1e-3, hand_at_end(), {});
-  EXPECT_LT((plant.positions() - hanging).cwiseAbs().maxCoeff(), 1e-4);
 }
 
 TEST(HyperelasticPlant, RunsAreBitEqual) {

@@ -11,7 +11,7 @@ namespace {
 
 const Eigen::Vector3d kSize(0.12, 0.06, 0.05);
 
-HexahedralGrid block() { return {Eigen::Vector3d::Zero(), kSize, {2, 1, 1}}; }
+HexahedralGrid block() { return even_grid(Eigen::Vector3d::Zero(), kSize, {2, 1, 1}); }
 
 /// Shear stress xy on the top face y = 0.06 at x += strain * y.
 double shear_stress(NeoHookeanSolid& solid, const HexahedralGrid& grid, double strain, double h) {

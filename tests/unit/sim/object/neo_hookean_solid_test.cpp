@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/unit/sim/object/plant_rig.hpp"
+
 namespace palpate::object {
 namespace {
 
@@ -13,7 +15,7 @@ const NeoHookean kFoam = NeoHookean::from_young(30e3, 0.3);
 const Eigen::Vector3d kNeoHookeanSolidSize(0.12, 0.06, 0.05);
 
 HexahedralGrid neo_hookean_solid_block() {
-  return {Eigen::Vector3d(0.1, -0.2, 0.3), kNeoHookeanSolidSize, {3, 2, 1}};
+  return even_grid({0.1, -0.2, 0.3}, kNeoHookeanSolidSize, {3, 2, 1});
 }
 
 Eigen::Matrix3Xd forces(NeoHookeanSolid solid, const Eigen::Matrix3Xd& positions,
@@ -77,13 +79,13 @@ TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
 TEST(NeoHookeanSolid, ElementsDoNotMindTheirNeighboursInAPack) {
   // Three elements in a row load their nodes like each of them alone.
   const Eigen::Vector3d side(0.04, 0.06, 0.05);
-  const HexahedralGrid row(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.12, 0.06, 0.05), {3, 1, 1});
+  const HexahedralGrid row = even_grid(Eigen::Vector3d::Zero(), {0.12, 0.06, 0.05}, {3, 1, 1});
   const Eigen::Matrix3Xd x = row.nodes() + random_field(row.node_count(), 0.003);
   const Eigen::Matrix3Xd together = forces(NeoHookeanSolid(row, {kFoam, 0}), x);
   Eigen::Matrix3Xd apart = 0 * together;
   double energy = 0;
   for (int e = 0; e < 3; ++e) {
-    const HexahedralGrid one(Eigen::Vector3d(0.04 * e, 0, 0), side, {1, 1, 1});
+    const HexahedralGrid one = even_grid({0.04 * e, 0, 0}, side, {1, 1, 1});
     Eigen::Matrix3Xd corners(3, 27);
     for (int a = 0; a < 27; ++a) corners.col(one.elements()(a, 0)) = x.col(row.elements()(a, e));
     const NeoHookeanSolid solid(one, {kFoam, 0});

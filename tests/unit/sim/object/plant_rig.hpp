@@ -1,10 +1,24 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "sim/object/hyperelastic_plant.hpp"
+#include "tests/support/plant_momentum.hpp"
 
 namespace palpate::object {
+
+/// Equal elements.
+inline HexahedralGrid even_grid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
+                                const std::array<int, 3>& elements) {
+  HexahedralGrid::Borders borders;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i <= elements[axis]; ++i)
+      borders[axis].push_back(i * (size[axis] / elements[axis]));
+    borders[axis].back() = size[axis];
+  }
+  return {origin, borders};
+}
 
 inline Box face_x(double x) { return {{x, -1, -1}, {x, 1, 1}}; }
 
@@ -28,7 +42,7 @@ class TensionRig {
  public:
   explicit TensionRig(const PlantOptions& options)
       : plant(options), length_(options.size.x()), area_(options.size.y() * options.size.z()) {
-    const HexahedralGrid grid(options.origin, options.size, options.elements);
+    const HexahedralGrid grid = even_grid(options.origin, options.size, options.elements);
     near_ = grid.patch_areas(face_x(0));
     far_ = grid.patch_areas(face_x(length_));
   }

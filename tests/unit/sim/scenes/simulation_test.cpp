@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "tests/support/plant_momentum.hpp"
 #include "tests/unit/sim/scenes/stage.hpp"
 
 namespace palpate::scenes {
@@ -144,7 +145,7 @@ TEST(Simulation, ImpulseEqualsTheChangeOfMomentum) {
   const Simulation& s = stage.simulation;
   const Eigen::Matrix3d R_WO = s.scene().X_WO.linear();
   const auto centre = [&s] { return Vector3d(s.robot().link_pose("sensor") * kHandCentre); };
-  const auto object_momentum = [&] { return Vector3d(R_WO * s.plant().linear_momentum()); };
+  const auto object_momentum = [&] { return Vector3d(R_WO * object::linear_momentum(s.plant())); };
   const double object_mass = s.plant().nodal_masses().sum();
   const Vector3d object_first = object_momentum();
   Vector3d last = centre();

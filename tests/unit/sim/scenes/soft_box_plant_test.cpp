@@ -18,7 +18,6 @@ robot::SoftBoxOptions small_box() {
   options.size.setConstant(kEdge);
   options.vertices = {4, 4, 4};
   options.mass = 0.01;
-  options.on_floor = false;
   return options;
 }
 

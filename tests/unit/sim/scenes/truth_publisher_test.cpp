@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "rt/bus/checked_decode.hpp"
 #include "tests/unit/sim/scenes/stage.hpp"
 
 namespace palpate::scenes {
@@ -11,34 +14,35 @@ TEST(TruthPublisher, ChunksOfAFineMeshFitDatagramsAndMakeItWhole) {
   object::PlantOptions options;
   options.elements = {30, 4, 4};
   const object::HyperelasticPlant plant(options);
-  const std::vector<shape_mesh_t> chunks = mesh_chunks(plant);
-  ASSERT_GT(chunks.size(), 1u);
-  std::vector<float> nodes;
-  std::vector<int> elements, triangles, constrained;
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    const shape_mesh_t& c = chunks[i];
-    EXPECT_LT(c.getEncodedSize(), 60000);
-    EXPECT_EQ(c.chunk, static_cast<int>(i));
-    EXPECT_EQ(c.chunks, static_cast<int>(chunks.size()));
-    EXPECT_EQ(c.element_size, 27);
-    EXPECT_EQ(c.mesh_hash, chunks[0].mesh_hash);
-    if (c.rest_xyz_count > 0) {
-      EXPECT_EQ(3 * c.first_node, static_cast<int>(nodes.size()));
-    }
-    EXPECT_EQ(c.element_index_count % 27, 0);
-    nodes.insert(nodes.end(), c.rest_xyz.begin(), c.rest_xyz.end());
-    elements.insert(elements.end(), c.elements.begin(), c.elements.end());
-    triangles.insert(triangles.end(), c.triangles.begin(), c.triangles.end());
-    constrained.insert(constrained.end(), c.constrained.begin(), c.constrained.end());
+  const auto hub = bus::make_memory_hub();
+  const auto bus = bus::make_memory_bus(hub);
+  std::vector<bus::Published> published;
+  bus::record(*hub, &published);
+  TruthPublisher publisher(*bus, plant, 1);
+  publisher.publish_mesh(0);
+  ASSERT_GT(published.size(), 1u);
+  bus::MeshAssembler assembler;
+  for (std::size_t i = 0; i < published.size(); ++i) {
+    EXPECT_EQ(published[i].channel, "TRUTH_MESH");
+    EXPECT_LT(published[i].data.size(), 60000u);
+    shape_mesh_t chunk;
+    ASSERT_TRUE(bus::checked_decode(chunk, published[i].data.data(),
+                                    static_cast<int>(published[i].data.size())));
+    EXPECT_EQ(chunk.element_size, 27);
+    EXPECT_EQ(assembler.add(chunk), i + 1 == published.size());
   }
-  ASSERT_EQ(nodes.size(), static_cast<std::size_t>(plant.rest_positions().size()));
-  EXPECT_TRUE(Eigen::Map<const Eigen::Matrix3Xf>(nodes.data(), 3, nodes.size() / 3)
+  const auto mesh = assembler.find(publisher.mesh_hash());
+  ASSERT_NE(mesh, nullptr);
+  EXPECT_EQ(mesh->element_kind, shape_mesh_t::QUADRATIC_HEXAHEDRA);
+  ASSERT_EQ(mesh->node_count, plant.rest_positions().cols());
+  EXPECT_TRUE(Eigen::Matrix3Xf::Map(mesh->rest_xyz.data(), 3, mesh->node_count)
                   .isApprox(plant.rest_positions().cast<float>()));
-  ASSERT_EQ(elements.size(), static_cast<std::size_t>(plant.elements().size()));
-  EXPECT_TRUE(std::equal(elements.begin(), elements.end(), plant.elements().data()));
-  ASSERT_EQ(triangles.size(), static_cast<std::size_t>(plant.surface_triangles().size()));
-  EXPECT_TRUE(std::equal(triangles.begin(), triangles.end(), plant.surface_triangles().data()));
-  EXPECT_EQ(constrained, plant.clamped_nodes());
+  ASSERT_EQ(mesh->elements.size(), static_cast<std::size_t>(plant.elements().size()));
+  EXPECT_TRUE(std::equal(mesh->elements.begin(), mesh->elements.end(), plant.elements().data()));
+  ASSERT_EQ(mesh->triangles.size(), static_cast<std::size_t>(plant.surface_triangles().size()));
+  EXPECT_TRUE(
+      std::equal(mesh->triangles.begin(), mesh->triangles.end(), plant.surface_triangles().data()));
+  EXPECT_EQ(mesh->constrained, plant.clamped_nodes());
 }
 
 TEST(TruthPublisher, PublishesThePlantsShapeAndTheHandsWrench) {

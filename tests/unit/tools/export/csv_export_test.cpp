@@ -130,7 +130,7 @@ TEST(CsvExport, TextsBytesAndUnlikeLengths) {
     picture.size = 4;
     log.write("PICTURE", 4000, picture);
     log.write_bytes("FOREIGN", 5000, {1, 2, 3});
-    log.write_bytes("SHAPE", 6000, {0x97, 0xb9, 0x26, 0x8b, 0x03, 0x52, 0xc0, 0xc7, 0, 0});
+    log.write_bytes("SHAPE", 6000, {0xb9, 0xcb, 0x4e, 0xa6, 0x1f, 0xf4, 0x18, 0x33, 0, 0});
   }
   Source source(quiet({file}));
   EXPECT_EQ(source.found().unknown(), 1);

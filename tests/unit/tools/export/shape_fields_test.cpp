@@ -62,20 +62,16 @@ TEST_P(ShapeFieldsTest, AStretchIsTheSameEverywhere) {
 
 INSTANTIATE_TEST_SUITE_P(TetrahedraAndHexahedra, ShapeFieldsTest, testing::Bool());
 
-elasticity::Body body_of(const log::MeshMessage& box) {
+/// With linear and with quadratic elements.
+class TetrahedralShapeFields : public testing::TestWithParam<mesh::ElementOrder> {};
+
+TEST_P(TetrahedralShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
+  const log::MeshMessage box = tetrahedral_box(kSize, {6, 2, 2}, GetParam());
   elasticity::Body body;
-  body.mesh.corner_count = static_cast<int>(box.nodes.cols());
-  body.mesh.nodes = box.nodes;
-  body.mesh.elements = box.elements;
+  body.mesh = mesh::make_element_mesh(mesh::make_box(kSize, {6, 2, 2}), GetParam());
   body.material.young_modulus = kFoam.young_modulus;
   body.material.poisson_ratio = kFoam.poisson_ratio;
   body.fixed_nodes = box.constrained;
-  return body;
-}
-
-TEST(ShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
-  const log::MeshMessage box = tetrahedral_box(kSize, {6, 2, 2});
-  const elasticity::Body body = body_of(box);
   Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, box.nodes.cols());
   for (Eigen::Index i = 0; i < loads.cols(); ++i)
     if (is_end(box, i)) loads.col(i) << 0.02, 0.01, -0.03;
@@ -89,39 +85,34 @@ TEST(ShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
   EXPECT_LT((fields.force - loads - solution.reactions).cwiseAbs().maxCoeff(), 1e-8);
 }
 
-/// A quadratic body: only its corners are given, as in SHAPE.
-TEST(ShapeFields, MidsideNodesThatAreNotPublishedAreReconstructed) {
-  log::MeshMessage box = tetrahedral_box(kSize, {4, 1, 1});
-  box.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
-  elasticity::Body body = body_of(box);
-  mesh::TetrahedralMesh corner_mesh;
-  corner_mesh.nodes = box.nodes;
-  corner_mesh.tetrahedra = box.elements;
-  body.mesh = mesh::make_element_mesh(corner_mesh, mesh::ElementOrder::kQuadratic);
-  body.fixed_nodes = mesh::nodes_in_box(body.mesh, {0, 0, 0}, {0, 1, 1});
-  Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, body.mesh.node_count());
-  for (Eigen::Index i = 0; i < box.nodes.cols(); ++i)
-    if (is_end(box, i)) loads.col(i) << 0.1, 0.05, -0.1;
-  const elasticity::StaticSolution solution = elasticity::solve_static(body, loads);
-  ASSERT_TRUE(solution.converged);
-  const Eigen::Matrix3Xd corners = solution.positions.leftCols(box.nodes.cols());
-  EXPECT_GT((corners - box.nodes).cwiseAbs().maxCoeff(), 0.02) << "bent by a tenth of its length";
+INSTANTIATE_TEST_SUITE_P(Orders, TetrahedralShapeFields,
+                         testing::Values(mesh::ElementOrder::kLinear,
+                                         mesh::ElementOrder::kQuadratic));
 
-  MidsideNodes midsides(box);
-  EXPECT_LT((midsides.at(corners, kFoam.poisson_ratio) - solution.positions).cwiseAbs().maxCoeff(),
-            1e-7);
-  const ShapeFields fields = ShapeEvaluator(box, Law::kCorotational).at(corners, kFoam);
-  const elasticity::ElementStress expected = elasticity::element_stress(body, solution.positions);
-  EXPECT_LT((fields.von_mises - expected.von_mises).norm(), 1e-3 * expected.von_mises.norm());
-  for (Eigen::Index i = 0; i < box.nodes.cols(); ++i) {
-    if (box.nodes(0, i) == 0) continue;
-    EXPECT_LT((fields.force.col(i) - loads.col(i)).norm(), 1e-4) << "node " << i;
-  }
-  EXPECT_LT(fields.force.rowwise().sum().norm(), 1e-9);
-  // Linear elements between the same corners would be far off.
-  box.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
-  const ShapeFields linear = ShapeEvaluator(box, Law::kCorotational).at(corners, kFoam);
-  EXPECT_GT((linear.von_mises - expected.von_mises).norm(), 0.2 * expected.von_mises.norm());
+TEST(ShapeFields, FormerLogsOfQuadraticElementsAreReadByTheirCorners) {
+  log::MeshMessage corners = tetrahedral_box(kSize, {4, 1, 1});
+  const log::MeshMessage linear = corners;
+  corners.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
+  Eigen::Matrix3Xd x = linear.nodes;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) x(2, i) += 3 * x(0, i) * x(0, i);
+  const ShapeFields fields = ShapeEvaluator(corners, Law::kCorotational).at(x, kFoam);
+  const ShapeFields expected = ShapeEvaluator(linear, Law::kCorotational).at(x, kFoam);
+  EXPECT_EQ(fields.von_mises, expected.von_mises);
+  EXPECT_EQ(fields.force, expected.force);
+}
+
+TEST(SurfaceEdges, AreThoseOfTheElementsFaces) {
+  const Eigen::Index linear = surface_edges(tetrahedral_box(kSize, {2, 1, 1}), Edges::kAll).cols();
+  log::MeshMessage box = tetrahedral_box(kSize, {2, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const mesh::Surface surface = mesh::extract_surface(
+      mesh::make_element_mesh(mesh::make_box(kSize, {2, 1, 1}), mesh::ElementOrder::kQuadratic));
+  std::vector<int> triangles;
+  for (const std::vector<int>& face : surface.triangle_nodes)
+    for (const int i : {0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5})
+      triangles.push_back(face[static_cast<std::size_t>(i)]);
+  box.triangles =
+      Eigen::Matrix3Xi::Map(triangles.data(), 3, static_cast<Eigen::Index>(triangles.size() / 3));
+  EXPECT_EQ(surface_edges(box, Edges::kAll).cols(), 2 * linear) << "two halves each";
 }
 
 TEST(ShapeFields, NodesInAnyOrderMakeTheSameHexahedron) {

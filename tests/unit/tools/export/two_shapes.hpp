@@ -11,17 +11,18 @@
 
 namespace palpate::exporting {
 
-/// A box [0, size] of linear tetrahedra, as palpated would publish it.
+/// A box [0, size] of tetrahedra, as palpated would publish it.
 inline log::MeshMessage tetrahedral_box(const Eigen::Vector3d& size,
-                                        const std::array<int, 3>& cells) {
-  const mesh::TetrahedralMesh box = mesh::make_box(size, cells);
+                                        const std::array<int, 3>& cells,
+                                        mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
+  const mesh::ElementMesh box = mesh::make_element_mesh(mesh::make_box(size, cells), order);
   log::MeshMessage message;
   message.hash = 11;
-  message.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
+  message.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
+  if (order == mesh::ElementOrder::kLinear) message.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
   message.nodes = box.nodes;
-  message.elements = box.tetrahedra;
-  message.triangles =
-      mesh::extract_surface(mesh::make_element_mesh(box, mesh::ElementOrder::kLinear)).triangles;
+  message.elements = box.elements;
+  message.triangles = mesh::extract_surface(box).triangles;
   for (Eigen::Index i = 0; i < box.nodes.cols(); ++i)
     if (box.nodes(0, i) == 0) message.constrained.push_back(static_cast<int>(i));
   return message;
@@ -86,7 +87,7 @@ inline shape_mesh_t mesh_message(const log::MeshMessage& mesh) {
   message.mesh_hash = mesh.hash;
   message.element_kind = mesh.element_kind;
   message.chunks = 1;
-  message.corner_count = static_cast<std::int32_t>(mesh.nodes.cols());
+  message.node_count = static_cast<std::int32_t>(mesh.nodes.cols());
   for (Eigen::Index i = 0; i < mesh.nodes.size(); ++i)
     message.rest_xyz.push_back(static_cast<float>(mesh.nodes.data()[i]));
   message.rest_xyz_count = static_cast<std::int32_t>(message.rest_xyz.size());
@@ -106,6 +107,7 @@ inline shape_t shape_message(const log::MeshMessage& mesh, const Eigen::Matrix3X
   message.utime = utime;
   message.session = 5;
   message.mesh_hash = mesh.hash;
+  message.chunks = 1;
   message.node_count = static_cast<std::int32_t>(positions.cols());
   for (Eigen::Index i = 0; i < positions.size(); ++i)
     message.xyz.push_back(static_cast<float>(positions.data()[i]));

@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <palpate/shape_mesh_v1_t.hpp>
+#include <palpate/shape_v1_t.hpp>
 
 #include "tests/unit/tools/export/python.hpp"
 #include "tests/unit/tools/export/small_run.hpp"
@@ -109,13 +111,90 @@ TEST(ShapeFollower, MeshesThatNameWhatTheyHaveNotAreLeftOut) {
   EXPECT_THROW(written([](shape_mesh_t& m) { m.triangles[3] = 1'000'000; }), std::runtime_error);
   EXPECT_THROW(written([](shape_mesh_t& m) { m.elements[0] = -1; }), std::runtime_error);
   EXPECT_THROW(written([](shape_mesh_t& m) { m.constrained[0] = 24; }), std::runtime_error);
-  EXPECT_THROW(written([](shape_mesh_t& m) { m.corner_count = -24; }), std::runtime_error);
-  EXPECT_THROW(written([](shape_mesh_t& m) { m.corner_count = 2'000'000'000; }),
-               std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.node_count = -24; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.node_count = 2'000'000'000; }), std::runtime_error);
   EXPECT_THROW(written([](shape_mesh_t& m) { m.element_size = 0; }), std::runtime_error);
   EXPECT_THROW(written([](shape_mesh_t& m) { m.element_size = 5; }), std::runtime_error);
   EXPECT_THROW(written([](shape_mesh_t& m) { m.first_node = 7; }), std::runtime_error);
   EXPECT_THROW(written([](shape_mesh_t& m) { m.chunks = 2; }), std::runtime_error);
+}
+
+TEST(ShapeFollower, JoinsChunksOfQuadraticShapes) {
+  const support::ScratchFolder scratch;
+  const auto file = scratch.path() / "log";
+  const log::MeshMessage box =
+      tetrahedral_box({0.2, 0.04, 0.04}, {5, 1, 1}, mesh::ElementOrder::kQuadratic);
+  {
+    LogWriter log(file);
+    log.write("SHAPE_MESH", 1, mesh_message(box));
+    shape_t shape = shape_message(box, 1.5 * box.nodes, 2);
+    shape_t chunk = shape;
+    chunk.chunks = 2;
+    chunk.xyz.resize(30);
+    chunk.xyz_count = 30;
+    log.write("SHAPE", 2, chunk);
+    chunk.chunk = 1;
+    chunk.first_node = 10;
+    chunk.xyz.assign(shape.xyz.begin() + 30, shape.xyz.end());
+    chunk.xyz_count = shape.xyz_count - 30;
+    log.write("SHAPE", 3, chunk);
+  }
+  Source source(quiet({file}));
+  ShapeFollower follower(source, {});
+  int shapes = 0;
+  follower.each("", [&](const Instant& instant) {
+    ++shapes;
+    EXPECT_LT((instant.estimate - 1.5 * box.nodes).cwiseAbs().maxCoeff(), 1e-7);
+    const ShapeFields fields = instant.estimate_mesh->at(instant.estimate, {});
+    EXPECT_NEAR(fields.strain(0, 0), 0.5 * (1.5 * 1.5 - 1), 1e-5);
+  });
+  EXPECT_EQ(shapes, 1);
+  EXPECT_EQ(export_vtu(follower, 0, scratch.path() / "vtu")[0].count, 1);
+  const nlohmann::json read_back = read(scratch.path() / "vtu" / "estimate.pvd");
+  EXPECT_FALSE(read_back.is_null());
+}
+
+TEST(ShapeFollower, ReadsFormerLogsByTheirCorners) {
+  const support::ScratchFolder scratch;
+  const auto file = scratch.path() / "log";
+  const log::MeshMessage box = tetrahedral_box({0.2, 0.04, 0.04}, {5, 1, 1});
+  {
+    const shape_mesh_t mesh = mesh_message(box);
+    shape_mesh_v1_t former{};
+    former.mesh_hash = mesh.mesh_hash;
+    former.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
+    former.chunks = 1;
+    former.corner_count = mesh.node_count;
+    former.element_size = 4;
+    former.rest_xyz = mesh.rest_xyz;
+    former.rest_xyz_count = mesh.rest_xyz_count;
+    former.elements = mesh.elements;
+    former.element_index_count = mesh.element_index_count;
+    former.triangles = mesh.triangles;
+    former.triangle_index_count = mesh.triangle_index_count;
+    shape_v1_t shape{};
+    shape.mesh_hash = mesh.mesh_hash;
+    shape.node_count = mesh.node_count;
+    shape.xyz = mesh.rest_xyz;
+    shape.xyz_count = mesh.rest_xyz_count;
+    shape.deviation.assign(static_cast<std::size_t>(mesh.node_count), 1e-3F);
+    shape.deviation_count = mesh.node_count;
+    LogWriter log(file);
+    log.write("SHAPE_MESH", 1, former);
+    log.write("SHAPE", 2, shape);
+  }
+  Source source(quiet({file}));
+  testing::internal::CaptureStderr();
+  ShapeFollower follower(source, {});
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("corner nodes"), std::string::npos);
+  EXPECT_TRUE(follower.has_deviation());
+  int shapes = 0;
+  follower.each("", [&](const Instant& instant) {
+    ++shapes;
+    EXPECT_LT((instant.estimate - box.nodes).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_NEAR(instant.node_deviation(0), 1e-3, 1e-9);
+  });
+  EXPECT_EQ(shapes, 1);
 }
 
 TEST(VtkOrder, PutsCornersEdgesFacesAndMiddleInTheirPlaces) {

@@ -5,7 +5,6 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/fit/gradient.hpp"
 #include "tools/fit/experiments/ball.hpp"
-#include "tools/fit/experiments/hertz.hpp"
 
 namespace palpate::fit {
 namespace {

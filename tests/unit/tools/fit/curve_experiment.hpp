@@ -17,15 +17,14 @@ class CurveExperiment final : public Experiment {
   using Curve = std::function<double(const Eigen::VectorXd& p, double x, Eigen::VectorXd* by)>;
 
   CurveExperiment(std::string name, std::vector<Parameter> parameters, Curve curve)
-      : name_(std::move(name)), parameters_(std::move(parameters)), curve_(std::move(curve)) {}
+      : Experiment(std::move(name)), curve_(std::move(curve)) {
+    parameters_ = std::move(parameters);
+  }
 
   /// Measured with white noise at `count` abscissas from 0 to 1; the last `held` are held out.
   void measure(const Eigen::VectorXd& truth, int count, double noise, math::Random& random,
                int held = 0) {
-    Series series;
-    series.quantity = "height";
-    series.unit = "m";
-    series.abscissa = "place";
+    Series series{"height", "m", "place", ""};
     series.deviation = noise > 0 ? noise : 1;
     series.x.setLinSpaced(count, 0, 1);
     series.measured.resize(count);
@@ -38,9 +37,6 @@ class CurveExperiment final : public Experiment {
   }
   std::vector<Series>& mutable_series() { return series_; }
 
-  const std::string& name() const override { return name_; }
-  const std::vector<Series>& series() const override { return series_; }
-  const std::vector<Parameter>& parameters() const override { return parameters_; }
   bool predict(const Eigen::VectorXd& p, Eigen::VectorXd& prediction,
                Eigen::MatrixXd* jacobian) const override {
     const Eigen::VectorXd& x = series_.front().x;
@@ -55,10 +51,7 @@ class CurveExperiment final : public Experiment {
   }
 
  private:
-  std::string name_;
-  std::vector<Parameter> parameters_;
   Curve curve_;
-  std::vector<Series> series_;
 };
 
 /// a exp(-x / b).

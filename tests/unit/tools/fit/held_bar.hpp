@@ -55,11 +55,7 @@ inline std::vector<math::Vector6d> six_motions() {
 }
 
 /// Initial values of an experiment's parameters.
-inline Eigen::VectorXd starts(const Experiment& experiment) {
-  Eigen::VectorXd p(experiment.parameters().size());
-  for (Eigen::Index k = 0; k < p.size(); ++k) p[k] = experiment.parameters()[k].start;
-  return p;
-}
+inline Eigen::VectorXd starts(const Experiment& experiment) { return experiment.start(); }
 
 /// Compares every column of an experiment's Jacobian with differences. `scale`: of parameters that
 /// are about zero.

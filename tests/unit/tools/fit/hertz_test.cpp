@@ -1,4 +1,4 @@
-#include "tools/fit/experiments/hertz.hpp"
+#include "tools/fit/experiments/ball.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "tests/support/scratch_folder.hpp"
+#include "tests/unit/tools/lab/scores/synthetic_run.hpp"
 
 namespace palpate::log {
 namespace {
@@ -64,9 +65,7 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
     for (feature.utime = 20; feature.utime < 50; feature.utime += 10)
       write(log, "FEATURE", 5001, feature);
     lcm::LogFile other(slow.string(), "w");
-    shape_t shape = {};
-    shape.utime = 30;
-    write(other, "SHAPE", 5002, shape);
+    write(other, "SHAPE", 5002, scores::shape_at(30e-6, Eigen::Matrix3Xd::Zero(3, 4), 1));
   }
   const RunLog run = read_run(control, slow, LogClock::kSent);
   ASSERT_EQ(run.targets.size(), 1u);

@@ -126,7 +126,7 @@ TEST(Record, LengthsThatLieAreNoMessage) {
   shape.xyz_count = 3;
   std::vector<std::uint8_t> bytes = encoded(shape);
   Record record(*find("shape_t"));
-  const std::size_t count_at = 8 + 8 + 4 + 8 + 8 + 4 + 4 + 4;
+  const std::size_t count_at = 8 + 8 + 4 + 8 + 8 + 4 + 4 + 2 + 2 + 4 + 4;
   ASSERT_EQ(bytes[count_at + 3], 3);
   for (const int lie : {0, 2, 4, 0x7f, 0xff}) {
     bytes[count_at] = static_cast<std::uint8_t>(lie > 4 ? lie : 0);

@@ -1,4 +1,4 @@
-#include "tools/mesh/vtu.hpp"
+#include "tools/mesh/mesh_files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

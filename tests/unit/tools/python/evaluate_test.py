@@ -26,7 +26,7 @@ def hexahedron() -> Mesh:
 def chunk_of(mesh: Mesh) -> messages.shape_mesh_t:
     message = messages.shape_mesh_t()
     message.mesh_hash, message.element_kind, message.chunks = mesh.hash, mesh.element_kind, 1
-    message.corner_count, message.element_size = len(mesh.nodes), mesh.elements.shape[1]
+    message.node_count, message.element_size = len(mesh.nodes), mesh.elements.shape[1]
     message.rest_xyz = mesh.nodes.ravel().tolist()
     message.rest_xyz_count = len(message.rest_xyz)
     message.elements = mesh.elements.ravel().tolist()
@@ -37,6 +37,7 @@ def chunk_of(mesh: Mesh) -> messages.shape_mesh_t:
 def shape_of(mesh: Mesh, positions: Any, utime: int, deviation: Any = ()) -> messages.shape_t:
     message = messages.shape_t()
     message.utime, message.mesh_hash, message.node_count = utime, mesh.hash, len(mesh.nodes)
+    message.chunks = 1
     message.xyz = np.asarray(positions).ravel().tolist()
     message.xyz_count = len(message.xyz)
     message.deviation = list(deviation)
@@ -63,6 +64,29 @@ class Points(unittest.TestCase):
         np.testing.assert_allclose(moved[0], bend(points), atol=1e-12)
         np.testing.assert_allclose(moved[1], points, atol=1e-12)
 
+    def test_quadratic_tetrahedra_give_quadratic_maps_back(self) -> None:
+        linear = tetrahedra()
+        ends = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
+        nodes, elements, middles = list(linear.nodes), [], {}
+        for element in linear.elements:
+            row = list(element)
+            for a, b in ends:
+                key = tuple(sorted((element[a], element[b])))
+                if key not in middles:
+                    middles[key] = len(nodes)
+                    nodes.append((linear.nodes[key[0]] + linear.nodes[key[1]]) / 2)
+                row.append(middles[key])
+            elements.append(row)
+        mesh = Mesh(7, 1, np.array(nodes), np.array(elements), linear.triangles, linear.constrained)
+        np.testing.assert_array_equal(mesh.corners, np.arange(8))
+        points = np.random.default_rng(1).random((100, 3))
+
+        def bend(x: Any) -> Any:
+            return x + np.stack([x[:, 1] * x[:, 2], x[:, 0] ** 2, x[:, 0] * x[:, 1]], axis=1)
+
+        moved = PointsInMesh(mesh, points).at(bend(mesh.nodes))
+        np.testing.assert_allclose(moved, bend(points), atol=1e-12)
+
     def test_points_outside_take_the_nearest_element(self) -> None:
         mesh = tetrahedra()
         moved = PointsInMesh(mesh, [[1 + 1e-7, 0.5, 0.5]]).at(mesh.nodes + [0, 0, 1])
@@ -70,7 +94,7 @@ class Points(unittest.TestCase):
 
     def test_other_elements_are_refused(self) -> None:
         mesh = tetrahedra()
-        other = Mesh(1, 1, mesh.nodes, np.zeros((1, 10), int), mesh.triangles, mesh.constrained)
+        other = Mesh(1, 1, mesh.nodes, np.zeros((1, 8), int), mesh.triangles, mesh.constrained)
         with self.assertRaisesRegex(ValueError, "neither"):
             PointsInMesh(other, [[0, 0, 0]])
 
@@ -96,8 +120,8 @@ class Chunks(unittest.TestCase):
             ("elements", [0, 1, 2]),
             ("first_node", 1),
             ("first_node", -1),
-            ("corner_count", 9),
-            ("corner_count", -9),
+            ("node_count", 9),
+            ("node_count", -9),
             ("element_size", 0),
         ):
             chunk = chunk_of(tetrahedra())

@@ -63,6 +63,7 @@ class Logs(unittest.TestCase):
         event.component, event.event = field_of("", 32), field_of("start", 32)
         event.reason = field_of("because", 256)
         shape = messages.shape_t()
+        shape.chunks = 1
         shape.node_count, shape.xyz_count, shape.xyz = 2, 6, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
         with palpate.EventLogWriter(self.path) as log:
             log.write(1, "COMPONENT_EVENT", event.encode())
@@ -79,6 +80,41 @@ class Logs(unittest.TestCase):
             read["SHAPE"].positions
         first = read["SHAPE"].of_mesh(0).positions
         np.testing.assert_array_equal(first, [[[0, 1, 2], [3, 4, 5]]])
+
+    def test_chunks_of_a_shape_are_joined(self) -> None:
+        with palpate.EventLogWriter(self.path) as log:
+            for number in (1, 0):
+                chunk = messages.shape_t()
+                chunk.utime, chunk.chunk, chunk.chunks, chunk.node_count = 5, number, 2, 2
+                chunk.first_node = number
+                chunk.xyz_count, chunk.xyz = 3, [3.0 * number, 3.0 * number + 1, 3.0 * number + 2]
+                chunk.deviation_count, chunk.deviation = 1, [0.5 * number]
+                log.write(10 + number, "SHAPE", chunk.encode())
+        shapes = palpate.read_log(self.path)["SHAPE"]
+        np.testing.assert_array_equal(shapes.positions, [[[0, 1, 2], [3, 4, 5]]])
+        np.testing.assert_array_equal(shapes.deviation, [[0, 0.5]])
+
+    def test_former_types_are_converted(self) -> None:
+        shape, mesh, health = (messages.shape_v1_t(), messages.shape_mesh_v1_t(), messages.health_v1_t())
+        shape.mesh_hash, shape.node_count, shape.xyz_count = 7, 4, 12
+        shape.xyz = [0.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]
+        mesh.mesh_hash, mesh.chunks, mesh.corner_count, mesh.element_size = 7, 1, 4, 4
+        mesh.element_kind = messages.shape_mesh_t.QUADRATIC_TETRAHEDRA
+        mesh.rest_xyz_count, mesh.rest_xyz = 12, shape.xyz
+        mesh.element_index_count, mesh.elements = 4, [0, 1, 2, 3]
+        health.gate_refused, health.commands_refused, health.cycles = 3, 4, 5
+        health.input_name, health.model_name = [bytes(24)] * 16, [bytes(24)] * 12
+        health.model_executor, health.reason = [bytes(12)] * 12, bytes(128)
+        with palpate.EventLogWriter(self.path) as log:
+            log.write(1, "SHAPE_MESH", mesh.encode())
+            log.write(2, "SHAPE", shape.encode())
+            log.write(3, "HEALTH", health.encode())
+        read = palpate.read_log(self.path)
+        self.assertEqual(read.undecodable, {})
+        np.testing.assert_array_equal(read["SHAPE"].positions[0], read.mesh.nodes)
+        self.assertEqual(read["HEALTH"].gate_rejected.tolist(), [3])
+        self.assertEqual(read["HEALTH"].commands_rejected.tolist(), [4])
+        self.assertEqual(read["HEALTH"].cycles.tolist(), [5])
 
     def test_damage_is_skipped_and_reported(self) -> None:
         data = self.write()

@@ -61,7 +61,7 @@ class Messages(unittest.TestCase):
         shape = messages.shape_t()
         data = shape.encode()
         for count in (-1, 1, 1 << 30):
-            forged = data[:48] + count.to_bytes(4, "big", signed=True) + data[52:]
+            forged = data[:56] + count.to_bytes(4, "big", signed=True) + data[60:]
             with self.assertRaises(DecodeError, msg=str(count)):
                 decode("SHAPE", forged)
 

@@ -60,7 +60,7 @@ TEST(MessageTypes, ArraysMustBeAsLongAsTheySay) {
   ASSERT_NE(type, nullptr);
   EXPECT_TRUE(type->fits(data.data(), size));
   EXPECT_FALSE(type->fits(data.data(), size - 4));
-  constexpr std::size_t kCountAt = 48;
+  constexpr std::size_t kCountAt = 56;
   data[kCountAt] = 0xff;  // negative
   EXPECT_FALSE(type->fits(data.data(), size));
   data[kCountAt] = 0x20;  // whose size in bytes overflows 32 bits to a small one

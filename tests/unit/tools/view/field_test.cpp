@@ -7,7 +7,7 @@
 namespace palpate::view {
 namespace {
 
-std::vector<float> placed(const ViewMesh& mesh, const Eigen::Matrix3f& F) {
+std::vector<float> placed(const shape_mesh_t& mesh, const Eigen::Matrix3f& F) {
   return shape_of(mesh, [&](const Eigen::Vector3f& x) -> Eigen::Vector3f { return F * x; }).xyz;
 }
 
@@ -53,9 +53,28 @@ TEST(Field, DisplacementIsTheDistanceFromRest) {
     EXPECT_NEAR(values[n], 0.05F * evaluator.mesh().rest_xyz[3 * n], 1e-7);
 }
 
+TEST(Field, UsesTheMiddlesOfEdgesAsWell) {
+  FieldEvaluator evaluator(box_mesh({2, 1, 1}, mesh::ElementOrder::kQuadratic));
+  ASSERT_TRUE(evaluator.has_elements());
+  const shape_mesh_t& mesh = evaluator.mesh();
+  ASSERT_EQ(mesh.element_size, 10);
+  std::vector<float> values;
+  evaluator.strain(placed(mesh, turn() * Eigen::Matrix3f(Eigen::Vector3f(1, 1.2F, 1).asDiagonal())),
+                   values);
+  ASSERT_EQ(values.size(), static_cast<std::size_t>(mesh.node_count));
+  for (const float v : values) EXPECT_NEAR(v, 0.2, 1e-4);
+  // one node between two corners moves, they do not
+  std::vector<float> xyz = mesh.rest_xyz;
+  xyz[static_cast<std::size_t>(3 * mesh.elements[4])] += 0.01F;
+  evaluator.strain(xyz, values);
+  EXPECT_GT(values[static_cast<std::size_t>(mesh.elements[4])], 0.02);
+  evaluator.stress(xyz, 30e3, 0.3, values);
+  EXPECT_GT(values[static_cast<std::size_t>(mesh.elements[4])], 100);
+}
+
 /// One hexahedron of 27 nodes, like those of the simulator's plant.
 TEST(Field, CutsHexahedraIntoTetrahedra) {
-  auto mesh = std::make_shared<ViewMesh>();
+  auto mesh = std::make_shared<shape_mesh_t>();
   mesh->element_size = mesh->node_count = 27;
   for (int n = 0; n < 27; ++n) {
     mesh->elements.push_back(n);

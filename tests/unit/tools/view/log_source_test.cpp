@@ -19,19 +19,34 @@ constexpr std::int64_t kBegin = 1'600'000'000'000'000;  // us
 /// mesh late, as is permitted.
 class LogSourceTest : public ::testing::Test {
  protected:
+  /// Chunks of the same time of sending, within the interval at which a log is indexed.
+  static void write_in_two(log::EventLog& log, const shape_t& shape) {
+    shape_t chunk = shape;
+    chunk.chunks = 2;
+    chunk.xyz.resize(3);
+    chunk.xyz_count = 3;
+    log.write("SHAPE", shape.utime, chunk);
+    chunk.chunk = 1;
+    chunk.first_node = 1;
+    chunk.xyz.assign(shape.xyz.begin() + 3, shape.xyz.end());
+    chunk.xyz_count = shape.xyz_count - 3;
+    log.write("SHAPE", shape.utime, chunk);
+  }
+
   LogSourceTest() {
     const auto mesh = box_mesh({2, 1, 1});
     log::EventLog log(control_), housekeeping(housekeeping_);
     for (int i = 0; i <= 1000; ++i) {
       shape_t shape = shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; });
       shape.xyz[0] = 0.01F * static_cast<float>(i);
-      housekeeping.write("SHAPE", kBegin + i * 10'000, shape);
+      shape.utime = kBegin + i * 10'000;
+      write_in_two(housekeeping, shape);
       feature_t feature{};
       feature.revision = 1;
       feature.error_count = 1;
       feature.error[0] = i == 500 ? 0.5 : 0.01;
       log.write("FEATURE", kBegin + i * 10'000, feature);
-      if (i == 700) housekeeping.write("SHAPE_MESH", kBegin + i * 10'000, box_chunks({2, 1, 1})[0]);
+      if (i == 700) housekeeping.write("SHAPE_MESH", kBegin + i * 10'000, *box_mesh({2, 1, 1}));
       if (i % 400 == 0) {
         component_event_t event{};
         bus::put_text(event.event, "event" + std::to_string(i));

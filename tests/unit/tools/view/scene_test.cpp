@@ -60,12 +60,33 @@ TEST(Scene, RefusesMessagesThatSayImpossibleThings) {
   fingertip.pac_count = 23;
   give(scene, "BIOTAC_0", fingertip);
   scene.refresh();
-  EXPECT_EQ(scene.refused(), 5);
+  EXPECT_EQ(scene.rejected(), 5);
   EXPECT_EQ(scene.shape.get(), nullptr);
   EXPECT_EQ(scene.feature.get(), nullptr);
   EXPECT_EQ(scene.contacts.get(), nullptr);
   EXPECT_EQ(scene.robot[0].get(), nullptr);
   EXPECT_EQ(scene.fingertips[0].get(), nullptr);
+}
+
+TEST(Scene, JoinsTheChunksOfAShape) {
+  Scene scene;
+  shape_t chunk{};
+  chunk.chunks = 2;
+  chunk.node_count = 3;
+  chunk.xyz = {1, 2, 3};
+  chunk.xyz_count = 3;
+  give(scene, "TRUTH_SHAPE", chunk, 10);
+  EXPECT_EQ(scene.truth.get(), nullptr);
+  chunk.chunk = 1;
+  chunk.first_node = 1;
+  chunk.xyz = {4, 5, 6, 7, 8, 9};
+  chunk.xyz_count = 6;
+  give(scene, "TRUTH_SHAPE", chunk, 11);
+  ASSERT_NE(scene.truth.get(), nullptr);
+  EXPECT_EQ(scene.truth.get()->xyz, (std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(scene.truth.time_us, 11);
+  EXPECT_EQ(scene.truth.count, 1);
+  EXPECT_EQ(scene.rejected(), 0);
 }
 
 TEST(Scene, JoinsTheDynamicPressureOfMessagesThatFollowEachOther) {
@@ -110,7 +131,7 @@ TEST(Scene, BearsAnyBytes) {
   const auto mesh = box_mesh({2, 2, 2});
   const std::vector<std::vector<std::uint8_t>> seeds = {
       encoded(shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; })),
-      encoded(box_chunks({2, 2, 2}, 2)[0]),
+      encoded(*box_mesh({2, 2, 2})),
       encoded(health_t{}),
       encoded(component_event_t{}),
       encoded(feature_t{}),
@@ -135,7 +156,7 @@ TEST(Scene, BearsAnyBytes) {
       ASSERT_EQ(shape->xyz.size(), static_cast<std::size_t>(3) * shape->node_count);
     }
   }
-  EXPECT_GT(scene.refused(), 1'000);
+  EXPECT_GT(scene.rejected(), 1'000);
   EXPECT_GT(source.counters().malformed, 100);
   EXPECT_GT(scene.health.count, 100) << "what is sound came through";
 }

@@ -31,7 +31,7 @@ class ServerTest : public ::testing::Test {
   void SetUp() override {
     log::EventLog log(path_);
     const auto mesh = box_mesh({2, 1, 1});
-    log.write("SHAPE_MESH", 1'000'000, box_chunks({2, 1, 1})[0]);
+    log.write("SHAPE_MESH", 1'000'000, *box_mesh({2, 1, 1}));
     log.write("SHAPE", 1'000'001,
               shape_of(*mesh, [](const Eigen::Vector3f& x) -> Eigen::Vector3f { return 2 * x; }));
     biotac_t fingertip{};
@@ -49,7 +49,7 @@ class ServerTest : public ::testing::Test {
     std::vector<std::string> complaints;
     viewer_->show_log(std::make_unique<LogSource>(
         std::vector<std::string>{path_}, [](const std::string&, double) {}, complaints));
-    viewer_->command_by(std::make_unique<Commander>(*bus_, bus::Access{}));
+    viewer_->command_by(std::make_unique<client::Client>(*bus_, *bus_));
     Server::Options server;
     server.port = 0;
     server.rate = 100;

@@ -23,7 +23,7 @@ class ShapeErrorTest : public ::testing::Test {
     error_.take(*mesh_, shape, *mesh_, truth);
   }
 
-  std::shared_ptr<const ViewMesh> mesh_ = box_mesh({3, 2, 1});
+  std::shared_ptr<const shape_mesh_t> mesh_ = box_mesh({3, 2, 1});
   ShapeError error_;
 };
 
@@ -72,7 +72,7 @@ TEST_F(ShapeErrorTest, BeginsAgainAfterAJump) {
 }
 
 TEST_F(ShapeErrorTest, IsUnknownForAMeshWithoutElements) {
-  ViewMesh empty = *mesh_;
+  shape_mesh_t empty = *mesh_;
   empty.elements.clear();
   for (const std::int64_t utime : {0, 10'000})
     error_.take(*mesh_, moved(0, 5'000), empty, moved(0, utime));

@@ -1,13 +1,13 @@
 #include "tools/lab/baselines/control/inverse_elements.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
 #include "core/control/jacobian_providers.hpp"
 #include "core/elasticity/static_solver.hpp"
+#include "core/math/singular_values.hpp"
 
 namespace palpate::baselines {
 namespace {

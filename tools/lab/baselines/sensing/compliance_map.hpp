@@ -3,6 +3,7 @@
 #include "core/contact/surface_match.hpp"
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/step_watch.hpp"
+#include "core/math/update_result.hpp"
 
 namespace palpate::baselines {
 

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Stiffness of the cloud's and the hand's springs relative to a lattice edge.
-constexpr double kScale = 20;
+constexpr double kSpringScale = 20;
 
 }  // namespace
 
@@ -43,11 +43,11 @@ elasticity::StepReport VoxelMassSpring::advance(double, const estimation::Estima
                                                 elasticity::DeformationModel& model) noexcept {
   const elasticity::Body& body = model.body();
   pull_.setZero();
-  pull_to_cloud(matches(), options_.stiffness * kScale, 0, shape_, still_, pull_);
+  pull_to_cloud(matches(), options_.stiffness * kSpringScale, 0, shape_, still_, pull_);
   for (int g = 0; uses_hand() && g < static_cast<int>(body.grasps.size()); ++g) {
     if (!model.is_held(g)) continue;
     for (const int node : body.grasps[g].nodes)
-      pull_.col(node) = kScale * (held_place(g, node, body) - shape_.col(node));
+      pull_.col(node) = kSpringScale * (held_place(g, node, body) - shape_.col(node));
   }
   force_.setZero();
   voxels_.spread(pull_, force_);

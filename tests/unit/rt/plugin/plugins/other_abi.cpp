@@ -1,4 +1,4 @@
-// A library built for a palpate whose Eigen uses a different alignment.
+// A library built for another version of palpate or of its interface.
 
 #include "rt/plugin/plugin.hpp"
 
@@ -12,7 +12,6 @@ const palpate::plugin::PluginAbi palpate_plugin_abi = [] {
 #ifdef OTHER_INTERFACE
   abi.interface = 1;
 #else
-  abi.alignment = 32;
   abi.version[0] = '9';
 #endif
   return abi;

@@ -30,6 +30,7 @@ inline Eigen::Matrix3Xd estimate_rest() {
 }
 
 inline void put_positions(shape_t& shape, const Eigen::Matrix3Xd& points) {
+  shape.chunks = 1;
   shape.node_count = static_cast<int>(points.cols());
   shape.xyz_count = 3 * shape.node_count;
   for (int i = 0; i < points.size(); ++i) shape.xyz.push_back(static_cast<float>(points.data()[i]));
@@ -63,14 +64,14 @@ inline std::vector<shape_mesh_t> mesh_chunks(const Eigen::Matrix3Xd& rest, int k
     chunk.element_kind = kind;
     chunk.chunk = static_cast<std::int16_t>(c);
     chunk.chunks = 2;
-    chunk.corner_count = static_cast<int>(rest.cols());
+    chunk.node_count = static_cast<int>(rest.cols());
     chunk.first_node = c * half;
-    const int end = c == 0 ? half : chunk.corner_count;
+    const int end = c == 0 ? half : chunk.node_count;
     for (int i = chunk.first_node; i < end; ++i)
       for (int axis = 0; axis < 3; ++axis)
         chunk.rest_xyz.push_back(static_cast<float>(rest(axis, i)));
     chunk.rest_xyz_count = static_cast<int>(chunk.rest_xyz.size());
-    chunk.element_size = chunk.corner_count;
+    chunk.element_size = chunk.node_count;
   }
   for (int i = 0; i < rest.cols(); ++i) chunks[0].elements.push_back(i);
   chunks[0].element_index_count = static_cast<int>(rest.cols());

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/tools/lab/baselines/sensing/seen_bar.hpp"
+#include "tests/unit/tools/lab/baselines/seen_bar.hpp"
 
 namespace palpate::baselines {
 namespace {

@@ -1,7 +1,7 @@
 // Parameters estimated in addition to the shape, on the papers' own kind of task.
 #include <gtest/gtest.h>
 
-#include "tests/unit/tools/lab/baselines/sensing/seen_bar.hpp"
+#include "tests/unit/tools/lab/baselines/seen_bar.hpp"
 #include "tools/lab/baselines/sensing/euler_bernoulli_fit.hpp"
 #include "tools/lab/baselines/sensing/probe_and_fit.hpp"
 #include "tools/lab/baselines/sensing/shape_matching_fit.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/elasticity/comparison/mass_spring_model.hpp"
-#include "tests/unit/tools/lab/baselines/sensing/seen_bar.hpp"
+#include "tests/unit/tools/lab/baselines/seen_bar.hpp"
 #include "tools/lab/baselines/sensing/cloud_driven_fem.hpp"
 #include "tools/lab/baselines/sensing/deformation_graph_fit.hpp"
 #include "tools/lab/baselines/sensing/euler_bernoulli_fit.hpp"
