@@ -32,7 +32,8 @@ class Mesh:
     def corners(self) -> Ints:
         """Nodes at corners of elements; all nodes unless the elements are quadratic tetrahedra."""
         count = 4 if self.elements.shape[1] == 10 else self.elements.shape[1]
-        return np.unique(self.elements[:, :count])
+        result: Ints = np.unique(self.elements[:, :count])
+        return result
 
     @property
     def longest_side(self) -> float:
@@ -147,7 +148,7 @@ class PointsInMesh:
         points = np.asarray(rest_points, float).reshape(-1, 3)
         self._nodes = np.empty((len(points), mesh.elements.shape[1]), np.int64)
         self._weights = np.empty(self._nodes.shape)
-        corners = mesh.nodes[mesh.elements]  # (m, nodes of an element, 3)
+        nodes = mesh.nodes[mesh.elements]  # (m, nodes of an element, 3)
         if mesh.elements.shape[1] == 27:
             place = _place_in_boxes
         elif mesh.elements.shape[1] in (4, 10):
@@ -155,7 +156,7 @@ class PointsInMesh:
         else:
             raise ValueError("the mesh is neither one of 27-node hexahedra nor of tetrahedra")
         for index, point in enumerate(points):
-            element, weights = place(corners, point)
+            element, weights = place(nodes, point)
             self._nodes[index] = mesh.elements[element]
             self._weights[index] = weights
 
@@ -166,14 +167,14 @@ class PointsInMesh:
         return result
 
 
-def _place_in_boxes(corners: Floats, point: Floats) -> tuple[int, Floats]:
-    lower, upper = corners.min(axis=1), corners.max(axis=1)
+def _place_in_boxes(nodes: Floats, point: Floats) -> tuple[int, Floats]:
+    lower, upper = nodes.min(axis=1), nodes.max(axis=1)
     outside = np.maximum(np.maximum(lower - point, point - upper), 0)
     element = int(np.argmin(np.linalg.norm(outside, axis=1)))
     size = upper[element] - lower[element]
     s = (point - lower[element]) / size
     # A node's rest position determines its Lagrange polynomial on 0, 1/2, 1.
-    node = (corners[element] - lower[element]) / size
+    node = (nodes[element] - lower[element]) / size
     polynomial = np.where(
         node < 0.25,
         2 * (s - 0.5) * (s - 1),
