@@ -59,7 +59,7 @@ RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
 /// A single configuration: rejected with exit code 78 and the location, or accepted if it is valid
 /// after all.
 void reject_one(math::Random& random, RunResult& result) {
-  const FaultFolder folder;
+  const common::TemporaryFolder folder("palpate-faults");
   const runs::Urls urls = runs::private_urls();
   Mutation mutation;
   do {  // without its own ports the daemon would receive other programs' messages
@@ -135,7 +135,7 @@ bool starts(client::Client& user) {
 
 RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "simulator killed");
-  const FaultFolder folder;
+  const common::TemporaryFolder folder("palpate-faults");
   const runs::Urls urls = runs::private_urls();
   const config::Node root = configuration(patient({}));
   FaultWire wire(urls);
