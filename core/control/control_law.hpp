@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "core/elasticity/deformation_model.hpp"
@@ -12,6 +13,22 @@
 #include "core/shape/feature.hpp"
 
 namespace palpate::control {
+
+/// Limits of a hand: of the motion of one of its frames and of its wrench.
+struct HandLimits {
+  double linear_speed = 1.0;                          // m/s, of the frame's origin
+  double angular_speed = 0.5;                         // rad/s
+  double linear_acceleration = 0.5;                   // m/s^2
+  double angular_acceleration = 2.0;                  // rad/s^2
+  double force = 1e3;                                 // N
+  double torque = 1e3;                                // N m
+  Eigen::Vector3d workspace_lower{-1e3, -1e3, -1e3};  // m, of the frame's origin
+  Eigen::Vector3d workspace_upper{1e3, 1e3, 1e3};
+
+  /// Throws std::invalid_argument, with `prefix` before the name, if a limit is not above 0 and
+  /// below `bound` or the workspace is empty.
+  void check(const std::string& prefix, double bound) const;
+};
 
 /// Motion limits of the joints of an arm, one entry per joint; rad, s (m for prismatic joints).
 struct JointLimits {

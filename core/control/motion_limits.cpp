@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "core/math/option_check.hpp"
 
@@ -31,6 +33,19 @@ struct MotionLimits::Rows {
   }
 };
 
+void HandLimits::check(const std::string& prefix, double bound) const {
+  const std::pair<const char*, double> limits[] = {{"linear_speed", linear_speed},
+                                                   {"angular_speed", angular_speed},
+                                                   {"linear_acceleration", linear_acceleration},
+                                                   {"angular_acceleration", angular_acceleration},
+                                                   {"force", force},
+                                                   {"torque", torque}};
+  for (const auto& [name, value] : limits)
+    math::check_option(value > 0 && value < bound, prefix + name, value,
+                       "above 0 to below " + std::to_string(bound));
+  math::check_box(workspace_lower, workspace_upper, prefix + "workspace");
+}
+
 void JointLimits::check() const {
   const auto n = speed.size();
   const std::string count = std::to_string(n) + ", as speed limits";
@@ -56,12 +71,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   const auto fraction = [](double value, const char* name) {
     math::check_option(value >= 0 && value < 1, name, value, "0 to below 1");
   };
-  check_positive_finite(options.linear_speed, "linear_speed");
-  check_positive_finite(options.angular_speed, "angular_speed");
-  check_positive_finite(options.linear_acceleration, "linear_acceleration");
-  check_positive_finite(options.angular_acceleration, "angular_acceleration");
-  check_positive_finite(options.force, "force");
-  check_positive_finite(options.torque, "torque");
+  options.check("", std::numeric_limits<double>::infinity());
   check_positive_finite(options.damper, "damper");
   check_positive_finite(options.slip.friction, "slip.friction");
   check_positive_finite(options.slip.lever, "slip.lever");
@@ -75,7 +85,6 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   math::check_option(options.slip.normal_G.norm() > 1e-6, "slip.normal",
                      options.slip.normal_G.transpose(), "a vector longer than 1e-6");
   options_.slip.normal_G.normalize();
-  math::check_box(options.workspace_lower, options.workspace_upper, "workspace");
   math::check_option(options.obstacles.size() <= kMostObstacles, "obstacles",
                      options.obstacles.size(), "at most 4");
   for (const Obstacle& obstacle : options.obstacles)

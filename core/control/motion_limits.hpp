@@ -40,13 +40,9 @@ struct FlangeBox {
   Eigen::Vector3d p_G_E = Eigen::Vector3d::Zero();  // m
 };
 
-struct MotionLimitOptions {
-  double linear_speed = 1.0;          // m/s
-  double angular_speed = 0.5;         // rad/s
-  double linear_acceleration = 0.5;   // m/s^2
-  double angular_acceleration = 2.0;  // rad/s^2
-  double force = 1e3;                 // N, limit of each component of a grasp's wrench
-  double torque = 1e3;                // N m
+/// The limits of the hand are those of the grasp frame G in O; force and torque limit each
+/// component of a grasp's wrench.
+struct MotionLimitOptions : HandLimits {
   SlipCone slip;
   /// Pa, von Mises stress limit of the object's most loaded elements; 0: no limit
   double stress = 0;
@@ -54,8 +50,6 @@ struct MotionLimitOptions {
   /// Margin for estimation errors, as a fraction of the limit of stress and of the limit of stretch
   /// minus 1, in [0, 1).
   double strain_margin = 0;
-  Eigen::Vector3d workspace_lower{-1e3, -1e3, -1e3};  // m, of the origin of G, in O
-  Eigen::Vector3d workspace_upper{1e3, 1e3, 1e3};
   /// Workspace of the flange, by grasp, as the gate enforces it; the gate would stop the hand
   /// there, whereas these rows deflect its motion.
   std::array<std::optional<FlangeBox>, 2> flange;

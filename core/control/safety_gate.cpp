@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 
-#include "core/control/control_law.hpp"
 #include "core/math/option_check.hpp"
 
 namespace palpate::control {
@@ -38,18 +37,9 @@ Vector3d advance(const Vector3d& centre, const Vector3d& base, const Vector3d& g
 }  // namespace
 
 SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
-  const auto check = [](double value, const char* name) {
-    math::check_option(value > 0 && value < 1e6, name, value, "above 0 to below 1e6");
-  };
-  check(limits.linear_speed, "gate.linear_speed");
-  check(limits.angular_speed, "gate.angular_speed");
-  check(limits.linear_acceleration, "gate.linear_acceleration");
-  check(limits.angular_acceleration, "gate.angular_acceleration");
-  check(limits.force, "gate.force");
-  check(limits.torque, "gate.torque");
   math::check_all_finite(limits.workspace_lower, "gate.workspace.lower");
   math::check_all_finite(limits.workspace_upper, "gate.workspace.upper");
-  math::check_box(limits.workspace_lower, limits.workspace_upper, "gate.workspace");
+  limits.check("gate.", 1e6);
 }
 
 GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {

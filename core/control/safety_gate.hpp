@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/kinematics/serial_chain.hpp"
+#include "core/control/control_law.hpp"
 
 namespace palpate::control {
 
@@ -14,16 +14,16 @@ inline double gate_step(double dt) noexcept {
   return std::isfinite(dt) && dt > 0 ? std::min(dt, 0.1) : 1e-3;
 }
 
-/// Limits of published commands, all for the flange E in W.
-struct GateLimits {
-  double linear_speed = 0.10;                  // m/s
-  double angular_speed = 0.5;                  // rad/s
-  double linear_acceleration = 0.5;            // m/s^2
-  double angular_acceleration = 2.0;           // rad/s^2
-  double force = 10.0;                         // N, contact force above which the hand stops
-  double torque = 3.0;                         // N m
-  Eigen::Vector3d workspace_lower{-1, -1, 0};  // m, of the origin of E in W
-  Eigen::Vector3d workspace_upper{1, 1, 1.5};
+/// Limits of published commands, all for the flange E in W. `force`, `torque`: of the contact
+/// wrench, above which the hand stops.
+struct GateLimits : HandLimits {
+  GateLimits() {
+    linear_speed = 0.10;
+    force = 10.0;
+    torque = 3.0;
+    workspace_lower = {-1, -1, 0};
+    workspace_upper = {1, 1, 1.5};
+  }
 };
 
 struct GateInputs {

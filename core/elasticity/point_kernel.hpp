@@ -174,11 +174,11 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
   }
 }
 
-/// Energy density and first Piola-Kirchhoff stress P of mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E
-/// - E0|^2 + lambda/2 tr^2(E - E0)), E0 being the strain at the beginning of the step: Rayleigh
-/// damping in the rotated frame, which does not act on rigid motions, and whose stress is the exact
-/// derivative of its potential. Always inlined, so that P stays in registers on its way to the
-/// nodes.
+/// Energy density and first Piola-Kirchhoff stress P of
+///   mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
+/// E0 being the strain at the beginning of the step: Rayleigh damping in the rotated frame, which
+/// does not act on rigid motions, and whose stress is the exact derivative of its potential. Always
+/// inlined, so that P stays in registers on its way to the nodes.
 template <class Pack>
 [[gnu::always_inline]] inline Pack add_stress(Pack mu, Pack lambda, double viscosity,
                                               const PointState<Pack>& state,

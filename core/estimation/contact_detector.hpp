@@ -8,23 +8,23 @@ namespace palpate::estimation {
 /// unmodelled external contact. It contains no wrenches and no geometry: ContactTracker computes
 /// the test values and carries out the decisions.
 ///
-/// | state        | condition                                         | next         | action |
-/// |--------------|---------------------------------------------------|--------------|--------------|
-/// | kNone        | a change of the wrenches beyond the noise         | kSuspected   | collect | |
-/// kSuspected   | no change beyond the noise                        | kNone        | discard      |
-/// |              | two sudden changes, or suspect_count of any kind  | kSuspected   | search | |
-/// | a location explains the change: begin()           | kTracking    | load model   | | | no
-/// explanation for 2 s                            | kSuspected   | new baseline | | kTracking    |
-/// the contact explains the wrenches                 | kTracking    | correct force| | | it does
-/// not                                       | kUnexplained | collect      | | kUnexplained | it
-/// does again                                     | kTracking    | correct force| |              |
-/// two consecutive updates unexplained               | kUnexplained | search       | | | and the
-/// wrenches are as before the contact        | kReleased    |              | |              |
-/// another location explains them: begin()           | kTracking    | load model   | | | for 0.3 s
-/// | kNone        | drop contact | | kTracking, kUnexplained | force within the noise for 0.3 s |
-/// kNone        | drop contact | | kReleased    | end of the tick | kNone        | drop contact |
-/// | any          | a hand moves, or the baseline is lost             | kNone        | drop contact
-/// |
+/// | state        | condition                                   | next         | action        |
+/// |--------------|---------------------------------------------|--------------|---------------|
+/// | kNone        | a change of the wrenches beyond the noise   | kSuspected   | collect       |
+/// | kSuspected   | no change beyond the noise                  | kNone        | discard       |
+/// |              | two sudden changes, or suspect_count in all | kSuspected   | search        |
+/// |              | a location explains the change: begin()     | kTracking    | load model    |
+/// |              | no explanation for 2 s                      | kSuspected   | new baseline  |
+/// | kTracking    | the contact explains the wrenches           | kTracking    | correct force |
+/// |              | it does not                                 | kUnexplained | collect       |
+/// | kUnexplained | it does again                               | kTracking    | correct force |
+/// |              | two consecutive updates unexplained         | kUnexplained | search        |
+/// |              | and the wrenches are as before the contact  | kReleased    |               |
+/// |              | another location explains them: begin()     | kTracking    | load model    |
+/// |              | for 0.3 s                                   | kNone        | drop contact  |
+/// | with contact | force within the noise for 0.3 s            | kNone        | drop contact  |
+/// | kReleased    | end of the tick                             | kNone        | drop contact  |
+/// | any          | a hand moves, or the baseline is lost       | kNone        | drop contact  |
 ///
 /// Changes just after a contact has ended count less, because the object oscillates and the pads
 /// relax.

@@ -34,19 +34,20 @@ void Client::send(const Request& request, std::int64_t now_us) {
   commands_.publish(command);
 }
 
-void Client::ask(component_command_t command, std::int64_t now_us, Heard heard, Patience patience) {
+void Client::ask(component_command_t command, std::int64_t now_us, OnAnswer on_answer,
+                 Patience patience) {
   commands_.sign(command, now_us);
-  add({command, {}, std::move(heard), patience}, now_us);
+  add({command, {}, std::move(on_answer), patience}, now_us);
 }
 
-void Client::ask(std::vector<shape_target_t> target, std::int64_t now_us, Heard heard,
+void Client::ask(std::vector<shape_target_t> target, std::int64_t now_us, OnAnswer on_answer,
                  Patience patience) {
   for (auto old = asked_.begin(); old != asked_.end();) {
     const auto next = std::next(old);
     if (old->is_target()) finish(old, {"", "replaced by a later target", true});
     old = next;
   }
-  add({{}, std::move(target), std::move(heard), patience}, now_us);
+  add({{}, std::move(target), std::move(on_answer), patience}, now_us);
 }
 
 void Client::add(Asked asked, std::int64_t now_us) {
@@ -91,8 +92,8 @@ void Client::repeat_target(std::int64_t now_us) {
   publish(target_, now_us);
 }
 
-void Client::push(const double (&rest_point)[3], const double (&force)[3], std::int64_t now_us,
-                  std::int64_t until_us) {
+void Client::apply_force(const double (&rest_point)[3], const double (&force)[3],
+                         std::int64_t now_us, std::int64_t until_us) {
   std::copy_n(rest_point, 3, force_.rest_point);
   std::copy_n(force, 3, force_.force);
   force_until_us_ = until_us;
@@ -106,9 +107,9 @@ void Client::send_force(std::int64_t now_us) {
 }
 
 void Client::finish(std::list<Asked>::iterator asked, const Answer& answer) {
-  const Heard heard = std::move(asked->heard);
+  const OnAnswer on_answer = std::move(asked->on_answer);
   asked_.erase(asked);
-  heard(answer);
+  on_answer(answer);
 }
 
 /// Whether an event belongs to a command or target: their counters may coincide.
@@ -136,7 +137,7 @@ void Client::handle(const component_event_t& event, std::int64_t now_us) {
     asked->replacing = true;
     asked->reason = "the replacement has begun, but its result was not received";
     asked->until_us += asked->patience.replacement - asked->patience.answer;
-    asked->heard({answer.event, answer.reason, false});
+    asked->on_answer({answer.event, answer.reason, false});
   } else if (answer.event != "repeated" || !asked->replacing) {
     // "repeated" after another command: it was received, its answer is in transit or lost.
     finish(asked, answer);

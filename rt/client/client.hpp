@@ -60,7 +60,7 @@ class Outgoing {
 /// receives answers, HEALTH and FEATURE. Use from one thread; `now_us` is the wall clock.
 class Client {
  public:
-  using Heard = std::function<void(const Answer&)>;
+  using OnAnswer = std::function<void(const Answer&)>;
 
   /// The buses must outlive the client. They need not be started for what only sends; wait() starts
   /// them. `session`: fixed in deterministic runs.
@@ -70,10 +70,11 @@ class Client {
   /// Sends a command once. Throws as make_command() does.
   void send(const Request& request, std::int64_t now_us);
   /// Sends a command, or the chunks of a target, and has service() repeat it until it is answered
-  /// or the time is over. `heard` is called by service(), and must not ask. Of several pending
+  /// or the time is over. `on_answer` is called by service(), and must not ask. Of several pending
   /// targets only the last one is answered.
-  void ask(component_command_t command, std::int64_t now_us, Heard heard, Patience patience = {});
-  void ask(std::vector<shape_target_t> target, std::int64_t now_us, Heard heard,
+  void ask(component_command_t command, std::int64_t now_us, OnAnswer on_answer,
+           Patience patience = {});
+  void ask(std::vector<shape_target_t> target, std::int64_t now_us, OnAnswer on_answer,
            Patience patience = {});
   /// ask() and wait() for the final answer, at most `timeout` s.
   template <class Message>
@@ -95,8 +96,8 @@ class Client {
 
   /// Applies a force for 100 ms, and has service() renew it until `until_us`. `rest_point`: in O,
   /// m; `force`: in O, N.
-  void push(const double (&rest_point)[3], const double (&force)[3], std::int64_t now_us,
-            std::int64_t until_us = 0);
+  void apply_force(const double (&rest_point)[3], const double (&force)[3], std::int64_t now_us,
+                   std::int64_t until_us = 0);
 
   /// Handles what has arrived and repeats what is due; call several times per second.
   void service(std::int64_t now_us);
@@ -122,7 +123,7 @@ class Client {
     component_command_t command{};
     std::vector<shape_target_t> target;  // chunks of a target; empty: it is a command
     bool is_target() const { return !target.empty(); }
-    Heard heard;
+    OnAnswer on_answer;
     Patience patience;
     std::int64_t first_counter = -1, last_counter = -1;
     std::int64_t sent_us = 0, until_us = 0;

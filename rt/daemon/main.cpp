@@ -146,8 +146,8 @@ nlohmann::json statistics(const Daemon& daemon) {
                          {"page_faults", counters.page_faults},
                          {"allocations", counters.allocations},
                          {"gate_limited", counters.gate_limited},
-                         {"gate_refused", counters.gate_rejected},
-                         {"commands_refused", counters.commands_rejected}};
+                         {"gate_rejected", counters.gate_rejected},
+                         {"commands_rejected", counters.commands_rejected}};
   for (int i = 0; i < palpate::daemon::kPhases; ++i) {
     const palpate::loop::LatencyHistogram& latency = counters.latency[i];
     json["latency_us"][name(static_cast<palpate::daemon::Phase>(i))] = {

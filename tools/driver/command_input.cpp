@@ -60,7 +60,7 @@ const Command& CommandInput::read(std::int64_t now_ns) {
 
 Counts CommandInput::counts() const {
   Counts counts = counts_;
-  counts.refused = twists_.admission.rejected() + joints_.admission.rejected();
+  counts.unauthorised = twists_.admission.rejected() + joints_.admission.rejected();
   return counts;
 }
 

@@ -20,9 +20,9 @@ struct Command {
 
 struct Counts {
   std::int64_t obeyed = 0;
-  std::int64_t refused = 0;   // without a valid code, or signed before the start
-  std::int64_t rejected = 0;  // late, for another arm, or not finite
-  std::int64_t silences = 0;  // watchdog stops: no further commands arrived
+  std::int64_t unauthorised = 0;  // without a valid code, or signed before the start
+  std::int64_t rejected = 0;      // late, for another arm, or not finite
+  std::int64_t silences = 0;      // watchdog stops: no further commands arrived
 };
 
 /// Receives TWIST_COMMAND and JOINT_VELOCITY_COMMAND, and selects the command to follow: it must

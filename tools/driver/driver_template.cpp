@@ -148,8 +148,8 @@ int run(Options options) {
   arm.command(still);
   simulated = nullptr;
   const driver::Counts counts = input.counts();
-  std::printf("%lld obeyed, %lld refused, %lld rejected, %lld stops by the watchdog\n",
-              static_cast<long long>(counts.obeyed), static_cast<long long>(counts.refused),
+  std::printf("%lld obeyed, %lld unauthorised, %lld rejected, %lld stops by the watchdog\n",
+              static_cast<long long>(counts.obeyed), static_cast<long long>(counts.unauthorised),
               static_cast<long long>(counts.rejected), static_cast<long long>(counts.silences));
   return 0;
 }

@@ -55,7 +55,7 @@ int convert_file(const FileOptions& options) {
     // Nonexistent items cannot be written; all other faults are kept.
     for (const Fault& fault : outcome.faults) {
       if (fault.kind == "out_of_range" || fault.kind == "not_finite" || fault.kind == "empty")
-        return refuse(surface, outcome, options.output, options.report);
+        return reject(surface, outcome, options.output, options.report);
     }
     write_surface(surface, options.output.file);
     return std::min(report(surface, outcome, options.report), kGood);
@@ -64,7 +64,7 @@ int convert_file(const FileOptions& options) {
   Outcome outcome{options.input, orient_all(read), {}};
   outcome.faults = find_faults(read);
   if (has_errors(outcome.faults)) {
-    const int code = refuse(read, outcome, options.output, options.report);
+    const int code = reject(read, outcome, options.output, options.report);
     std::cerr << "palpate-mesh repair corrects many of these\n";
     return code;
   }
@@ -96,7 +96,7 @@ int optimise_file(const FileOptions& options) {
   mesh::MeshWithGroups read = read_volume(options.input, options.scale);
   Outcome outcome{options.input, orient_all(read), {}};
   outcome.faults = find_faults(read);
-  if (has_errors(outcome.faults)) return refuse(read, outcome, options.output, options.report);
+  if (has_errors(outcome.faults)) return reject(read, outcome, options.output, options.report);
   const Quality before = measure_quality(read.mesh);
   mesh::NodeMotionOptions motion;
   motion.sweeps = options.sweeps;
@@ -131,7 +131,7 @@ std::pair<CLI::App*, std::shared_ptr<FileOptions>> add(CLI::App& app, int& code,
 void add_file_commands(CLI::App& app, int& code) {
   add(app, code, "check", "Says what is wrong with a mesh or a surface, and how good it is",
       check_file);
-  add(app, code, "convert", "Writes a mesh in another format; broken ones are refused",
+  add(app, code, "convert", "Writes a mesh in another format; broken ones are rejected",
       convert_file);
   auto [repair, options] =
       add(app, code, "repair", "Repairs a mesh or a surface and reports the changes, or rejects it",

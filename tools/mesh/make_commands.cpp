@@ -190,7 +190,7 @@ int make_from_surface(const MakeOptions& options) {
     outcome.steps = mesh::repair(surface, repair);
     outcome.faults = find_faults(surface);
   }
-  if (has_errors(outcome.faults)) return refuse(surface, outcome, options.output, options.report);
+  if (has_errors(outcome.faults)) return reject(surface, outcome, options.output, options.report);
   std::ostream& out = text_output(options.report);
   out << options.input << ":\n" << text(outcome.steps) << text(outcome.faults);
   const double size = mesh::diagonal(surface.points);

@@ -188,7 +188,7 @@ void add_output_options(CLI::App& command, OutputOptions& options) {
 void add_report_options(CLI::App& command, ReportOptions& options) {
   command.add_option("--json", options.json, "All results as JSON; - for the standard output");
   command.add_option("--picture", options.picture,
-                     "PNG of the mesh with its faults in colour (where a mesh is refused one is "
+                     "PNG of the mesh with its faults in colour (where a mesh is rejected one is "
                      "made in any case)");
   command.add_option("--histograms", options.histograms, "PNG of the elements' quality");
   command.add_flag("--cost", options.cost,

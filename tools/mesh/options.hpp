@@ -52,9 +52,9 @@ int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
 /// The same for a rejected mesh, which is not written: always with an image, by default next to
 /// the output.
 template <typename Mesh>
-int refuse(const Mesh& mesh, const Outcome& outcome, const OutputOptions& output,
+int reject(const Mesh& mesh, const Outcome& outcome, const OutputOptions& output,
            ReportOptions options) {
-  std::cerr << outcome.file << ": refused, nothing is written\n";
+  std::cerr << outcome.file << ": rejected, nothing is written\n";
   if (options.picture.empty()) options.picture = output.file + ".faults.png";
   options.histograms.clear();
   return report(mesh, outcome, options);
@@ -67,12 +67,12 @@ inline void write(const mesh::TriangleSurface& surface, const OutputOptions& out
   write_surface(surface, output.file);
 }
 
-/// Finds the faults of the result; writes it and reports, or refuses it if there are errors.
+/// Finds the faults of the result; writes it and reports, or rejects it if there are errors.
 template <typename Mesh>
 int finish(const Mesh& mesh, Outcome outcome, const OutputOptions& output,
            const ReportOptions& options) {
   outcome.faults = find_faults(mesh);
-  if (has_errors(outcome.faults)) return refuse(mesh, outcome, output, options);
+  if (has_errors(outcome.faults)) return reject(mesh, outcome, output, options);
   write(mesh, output);
   return report(mesh, outcome, options);
 }

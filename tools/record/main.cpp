@@ -59,7 +59,7 @@ void print_summary(const Recorder& recorder, const Listener& listener, double se
   for (int i = 0; i < static_cast<int>(listener.sources().size()); ++i) {
     const bus::DatagramCounters& counters = listener.datagrams(i);
     out << formatted(
-        "%s: %lld datagrams, refused %lld malformed and %lld fragments, lost in the "
+        "%s: %lld datagrams, rejected %lld malformed and %lld fragments, lost in the "
         "socket's buffer %lld\n",
         listener.sources()[static_cast<std::size_t>(i)].label.c_str(),
         static_cast<Count>(counters.received), static_cast<Count>(counters.malformed),
@@ -127,7 +127,7 @@ constexpr char kHelp[] =
     "palpate-record writes what comes on palpate's LCM URLs to LCM event logs, which "
     "lcm-logplayer,\n"
     "palpate-replay and the rest read. It receives through palpate's own guarded receiver: the\n"
-    "malformed packets that end lcm-logger are refused and counted here.\n"
+    "malformed packets that end lcm-logger are rejected and counted here.\n"
     "A URL has a log of its own: NAME.control.lcmlog, NAME.housekeeping.lcmlog, ... SIGINT and\n"
     "SIGTERM end it cleanly with a summary; SIGHUP begins the next file as --split-mb does.";
 constexpr char kExamples[] =
@@ -136,7 +136,7 @@ constexpr char kExamples[] =
     "  palpate-record --only control --split-mb 100 --rotate 5 run.lcmlog\n"
     "  palpate-record -c 'SHAPE|HEALTH|ESTIMATE' --seconds 60 --json run.json run\n"
     "  palpate-record --url control=udpm://239.255.76.67:7700?ttl=0 --merge all.lcmlog\n"
-    "Messages larger than one datagram, which palpate never sends, are refused and counted.";
+    "Messages larger than one datagram, which palpate never sends, are rejected and counted.";
 
 void add_options(CLI::App& app, Options& options) {
   record::RecorderOptions& recorder = options.recorder;

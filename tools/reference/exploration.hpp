@@ -17,7 +17,7 @@ struct Exploration {
   std::vector<std::string> overrides;
   std::string text = "";  // YAML
   std::string kind = "";  // of a recording
-  /// The section to keep of a document that is refused after that has been read; empty: all of one
+  /// The section to keep of a document that is rejected after that has been read; empty: all of one
   /// that is valid.
   std::string only = "";
 };

@@ -141,7 +141,7 @@ void add_datagrams(const View& view, std::vector<Line>& lines) {
   if (view.listener == nullptr) return;
   for (int i = 0; i < static_cast<int>(view.sources.size()); ++i) {
     const bus::DatagramCounters& counters = view.listener->datagrams(i);
-    const std::int64_t refused = counters.malformed + counters.fragmented;
+    const std::int64_t rejected = counters.malformed + counters.fragmented;
     lines.push_back(
         {formatted("%s %s: %lld datagrams, malformed %lld, fragments %lld, lost here %lld",
                    view.sources[static_cast<std::size_t>(i)].label.c_str(),
@@ -149,7 +149,7 @@ void add_datagrams(const View& view, std::vector<Line>& lines) {
                    static_cast<Count>(counters.received), static_cast<Count>(counters.malformed),
                    static_cast<Count>(counters.fragmented),
                    static_cast<Count>(counters.overflowed)),
-         refused + counters.overflowed > 0 ? Tone::kWarning : Tone::kPlain});
+         rejected + counters.overflowed > 0 ? Tone::kWarning : Tone::kPlain});
   }
 }
 
@@ -168,8 +168,8 @@ nlohmann::json json_of(const health_t& health) {
                          {"page_faults", health.page_faults},
                          {"allocations", health.allocations},
                          {"gate_limited", health.gate_limited},
-                         {"gate_refused", health.gate_rejected},
-                         {"commands_refused", health.commands_rejected},
+                         {"gate_rejected", health.gate_rejected},
+                         {"commands_rejected", health.commands_rejected},
                          {"telemetry_dropped", health.telemetry_dropped},
                          {"malformed", health.malformed},
                          {"overflowed", health.overflowed}};

@@ -107,7 +107,7 @@ class Viewer {
   void grant(Client& client, const TakeControl& request);
   bool carry_out(const std::shared_ptr<Client>& client, const Request& request,
                  std::int64_t now_us);
-  client::Client::Heard answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const;
+  client::Client::OnAnswer answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const;
   void play(const Play& request);
 
   Options options_;

@@ -43,7 +43,7 @@ bool Viewer::carry_out(const std::shared_ptr<Client>& client, const Request& req
     double point[3], force[3];
     std::copy_n(push->rest_point.begin(), 3, point);
     std::copy_n(push->force.begin(), 3, force);
-    daemon_->push(point, force, now_us);
+    daemon_->apply_force(point, force, now_us);
   } else if (const auto* p = std::get_if<Play>(&request)) {
     play(*p);
   }
@@ -60,8 +60,8 @@ void Viewer::grant(Client& client, const TakeControl& request) {
   client.send_text(dump({{"type", "control"}, {"granted", right}, {"reason", reason}}));
 }
 
-client::Client::Heard Viewer::answer_to(const std::shared_ptr<Client>& client,
-                                        std::int64_t id) const {
+client::Client::OnAnswer Viewer::answer_to(const std::shared_ptr<Client>& client,
+                                           std::int64_t id) const {
   // The page may have disconnected by then.
   return [weak = std::weak_ptr<Client>(client), id](const client::Answer& answer) {
     const auto to = weak.lock();

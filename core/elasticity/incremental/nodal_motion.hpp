@@ -37,7 +37,7 @@ class NodalMotion {
   void publish() noexcept;
 
   /// Sets and publishes the rest shape, or the given state except for fixed nodes. The latter is
-  /// refused (false) if sizes differ or a number is not finite.
+  /// rejected (false) if sizes differ or a number is not finite.
   void reset() noexcept;
   bool restore(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities) noexcept;
 

@@ -327,13 +327,13 @@ TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
   EXPECT_NE(said.find("\nreached: error 0.00"), std::string::npos) << said;
   arm.send(SIGTERM);
   EXPECT_EQ(arm.wait(milliseconds(10000)), 0);
-  long long obeyed = 0, refused = 0, rejected = 0;
-  ASSERT_EQ(std::sscanf(arm.output().c_str(), "%lld obeyed, %lld refused, %lld rejected", &obeyed,
-                        &refused, &rejected),
+  long long obeyed = 0, unauthorised = 0, rejected = 0;
+  ASSERT_EQ(std::sscanf(arm.output().c_str(), "%lld obeyed, %lld unauthorised, %lld rejected",
+                        &obeyed, &unauthorised, &rejected),
             3)
       << arm.output();
   // A message signed just before the driver's start may arrive just after it.
-  EXPECT_LT(10 * refused, obeyed) << arm.output();
+  EXPECT_LT(10 * unauthorised, obeyed) << arm.output();
   EXPECT_EQ(rejected, 0);
 }
 

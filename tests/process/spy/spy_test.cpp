@@ -111,8 +111,8 @@ TEST_F(Spy, ShowsEveryTypeAmongPacketsThatEndOthers) {
   for (const char* line :
        {"BIOTAC_2: palpate.biotac_t, ", "HEALTH: palpate.health_t, ", "SHAPE: palpate.shape_t, "})
     EXPECT_NE(words.find(line), std::string::npos) << line << " is not in " << words;
-  EXPECT_NE(words.find("refused "), std::string::npos) << words;
-  EXPECT_EQ(words.find("refused 0 datagrams"), std::string::npos) << words;
+  EXPECT_NE(words.find("rejected "), std::string::npos) << words;
+  EXPECT_EQ(words.find("rejected 0 datagrams"), std::string::npos) << words;
 }
 
 TEST_F(Spy, OpensTheFieldsOfAChannelByTheMouse) {

@@ -58,8 +58,8 @@ RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
 
 /// A single configuration: rejected with exit code 78 and the location, or accepted if it is valid
 /// after all.
-void refuse_one(math::Random& random, RunResult& result) {
-  const FaultFolder folder;
+void reject_one(math::Random& random, RunResult& result) {
+  const common::TemporaryFolder folder("palpate-faults");
   const runs::Urls urls = runs::private_urls();
   Mutation mutation;
   do {  // without its own ports the daemon would receive other programs' messages
@@ -91,11 +91,11 @@ void refuse_one(math::Random& random, RunResult& result) {
   result.note(where + words);
 }
 
-RunResult refuse_configurations(const Bench&, std::uint64_t seed) {
+RunResult reject_configurations(const Bench&, std::uint64_t seed) {
   math::Random random(seed, "configuration of a process");
   RunResult result;
   result.measured = 0;
-  for (int i = 0; i < kConfigurationErrors; ++i) refuse_one(random, result);
+  for (int i = 0; i < kConfigurationErrors; ++i) reject_one(random, result);
   return result;
 }
 
@@ -135,7 +135,7 @@ bool starts(client::Client& user) {
 
 RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "simulator killed");
-  const FaultFolder folder;
+  const common::TemporaryFolder folder("palpate-faults");
   const runs::Urls urls = runs::private_urls();
   const config::Node root = configuration(patient({}));
   FaultWire wire(urls);
@@ -201,7 +201,7 @@ std::vector<Row> process_rows() {
     if (row.number == "21") {
       rows.push_back(
           {row.number, std::to_string(kConfigurationErrors) + " errors in the configuration",
-           "exit code 78 with file, line and key", "unnamed", 0, false, refuse_configurations});
+           "exit code 78 with file, line and key", "unnamed", 0, false, reject_configurations});
     }
     if (!row.scenario) continue;
     Row process{row.number,

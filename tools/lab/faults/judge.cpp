@@ -21,7 +21,7 @@ bool differs(const HealthNote& a, const HealthNote& b) {
   constexpr double kSlack = 2;  // ms
   return a.state != b.state || a.lost != b.lost || a.rejected != b.rejected ||
          a.frozen != b.frozen || a.not_converged > b.not_converged + 10 ||
-         a.gate_refused != b.gate_refused || a.overruns != b.overruns ||
+         a.gate_rejected != b.gate_rejected || a.overruns != b.overruns ||
          a.oldest_ms > b.oldest_ms + kSlack || a.hand_ms > b.hand_ms + kSlack;
 }
 
@@ -130,11 +130,11 @@ RunResult outcome_of(const Trace& trace, const Window& window) {
         result.outcome = Outcome::kSafeStop;
     }
   }
-  const auto refused = [](const Trace& t) {
-    return t.health.empty() ? 0 : t.health.back().gate_refused;
+  const auto rejected = [](const Trace& t) {
+    return t.health.empty() ? 0 : t.health.back().gate_rejected;
   };
   // The gate restrains the command although every component reports ok.
-  if (refused(trace) > 0 && result.outcome == Outcome::kUnaffected)
+  if (rejected(trace) > 0 && result.outcome == Outcome::kUnaffected)
     result.outcome = Outcome::kDegraded;
   if (!trace.sound()) result.fail(trace.complaint);
   return result;

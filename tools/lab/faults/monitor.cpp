@@ -183,7 +183,7 @@ void Monitor::look_at_health(const bus::Published& message) {
   note.time_ns = message.time_ns;
   note.state = health.state;
   note.not_converged = health.shapes_not_converged;
-  note.gate_refused = health.gate_rejected;
+  note.gate_rejected = health.gate_rejected;
   note.overruns = health.overruns;
   const int inputs = std::min<int>(health.input_count, std::size(health.input_name));
   for (int i = 0; i < inputs; ++i) {

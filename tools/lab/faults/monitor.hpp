@@ -16,7 +16,7 @@ struct HealthNote {
   std::int64_t time_ns = 0;
   int state = 0;
   std::int64_t lost = 0, rejected = 0, frozen = 0;
-  std::int64_t not_converged = 0, gate_refused = 0, overruns = 0;
+  std::int64_t not_converged = 0, gate_rejected = 0, overruns = 0;
   double oldest_ms = 0;  // of force-torque, inertial and robot
   double hand_ms = 0;
 };

@@ -1,9 +1,6 @@
 #include "tools/lab/faults/palpated_run.hpp"
 
-#include <unistd.h>
-
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 
@@ -11,17 +8,6 @@
 #include "tools/lab/faults/fault_wire.hpp"
 
 namespace palpate::faults {
-
-FaultFolder::FaultFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "palpate_faults_XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make the folder " + name);
-  path_ = name;
-}
-
-FaultFolder::~FaultFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file);
@@ -48,7 +34,7 @@ common::Process start_palpated(const config::Node& configuration, const runs::Ur
 
 PalpatedRun run_palpated(const Bench& bench, const Scenario& scenario) {
   constexpr double kPatience = 20;  // s, until it publishes its first message
-  const FaultFolder folder;
+  const common::TemporaryFolder folder("palpate-faults");
   const runs::Urls urls = runs::private_urls();
   const std::vector<std::string> overrides =
       scenario.held.length > 0 ? scenario.overrides : patient(scenario.overrides);

@@ -4,25 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "tools/common/output_files.hpp"
 #include "tools/common/process.hpp"
 #include "tools/lab/faults/judge.hpp"
 #include "tools/lab/faults/scenario.hpp"
 #include "tools/lab/runs/live_run.hpp"
 
 namespace palpate::faults {
-
-/// Temporary folder of one run, deleted with this object.
-class FaultFolder {
- public:
-  FaultFolder();
-  ~FaultFolder();
-  FaultFolder(const FaultFolder&) = delete;
-  FaultFolder& operator=(const FaultFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 void write_text(const std::filesystem::path& file, const std::string& text);
 

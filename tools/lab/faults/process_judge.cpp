@@ -13,7 +13,7 @@ bool is_news(const HealthNote& note, const HealthNote& before) {
   constexpr int kSteps = 10;
   return note.state != before.state || note.lost != before.lost ||
          note.rejected != before.rejected || note.frozen != before.frozen ||
-         note.gate_refused != before.gate_refused ||
+         note.gate_rejected != before.gate_rejected ||
          note.not_converged > before.not_converged + kSteps ||
          note.oldest_ms > before.oldest_ms + kOlder || note.hand_ms > before.hand_ms + kOlder;
 }

@@ -128,7 +128,7 @@ RunResult run_mutated(const Bench&, std::uint64_t seed) {
 }  // namespace
 
 std::vector<Row> configuration_rows() {
-  return {{"21", "20 errors in the configuration", "refused with file, line and key", "unnamed", 0,
+  return {{"21", "20 errors in the configuration", "rejected with file, line and key", "unnamed", 0,
            false, run_mutated}};
 }
 

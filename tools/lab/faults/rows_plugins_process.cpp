@@ -66,7 +66,7 @@ RunResult run_palpated_setup(const Bench&, std::uint64_t seed) {
   math::Random random(seed, "plug-in fails at set-up");
   const unruly::Slot& slot = any_slot(random);
   const char* does = unruly::kSetupErrors[random.below(std::size(unruly::kSetupErrors))];
-  const FaultFolder folder;
+  const common::TemporaryFolder folder("palpate-faults");
   const auto begin = std::chrono::steady_clock::now();
   common::Process daemon =
       start_palpated(configuration({unruly::kLibrary, slot.configured(does, "")}),

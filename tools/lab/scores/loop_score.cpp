@@ -50,7 +50,7 @@ LoopScore score_loop(const log::RunLog& run) {
   }
   score.shapes_not_converged = last.shapes_not_converged;
   score.gate_limited = last.gate_limited;
-  score.gate_refused = last.gate_rejected;
+  score.gate_rejected = last.gate_rejected;
   bool started = false;
   for (const health_t& health : run.health) {
     score.faulted = score.faulted || health.state == kFaulted;

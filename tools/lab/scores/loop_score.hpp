@@ -16,7 +16,7 @@ struct LoopScore {
   std::int64_t allocations = 0;  // of the loop's thread since activation; -1: not counted
   std::int64_t page_faults = 0;  // likewise
   std::int64_t gate_limited = 0;
-  std::int64_t gate_refused = 0;
+  std::int64_t gate_rejected = 0;
   int state = 0;         // health_t.state
   bool faulted = false;  // at any time of the run
   std::string reason;    // of the last state that was not active

@@ -125,7 +125,7 @@ Json to_json(const LoopScore& loop) {
       {"wake_up_max_us", loop.wake_up_max_us},
       {"shapes_not_converged", loop.shapes_not_converged},
       {"gate_limited", loop.gate_limited},
-      {"gate_refused", loop.gate_refused},
+      {"gate_rejected", loop.gate_rejected},
       {"last_trouble", loop.reason}};
 }
 

@@ -26,7 +26,7 @@ class ClientTest : public ::testing::Test {
     client_ = std::make_unique<Client>(*bus_, *bus_, access_);
   }
 
-  Client::Heard note() {
+  Client::OnAnswer note() {
     return [this](const Answer& answer) { answers_.push_back(answer); };
   }
   std::vector<component_command_t> taken() {
@@ -159,7 +159,7 @@ TEST_F(ClientTest, SealsWithTheKey) {
   access_.key.emplace();
   access_.key->fill(9);
   Client sealed(*bus_, *bus_, access_);
-  sealed.push({0.1, 0.2, 0.3}, {1, 2, 3}, kStart);
+  sealed.apply_force({0.1, 0.2, 0.3}, {1, 2, 3}, kStart);
   manual_force_t force;
   std::int64_t arrival = 0;
   ASSERT_TRUE(forces_->take(force, arrival));
@@ -187,14 +187,14 @@ TEST_F(ClientTest, ATargetThatIsSetIsRepeatedAsOneRevision) {
 }
 
 TEST_F(ClientTest, AForceIsRenewedUntilItsEnd) {
-  client_->push({0, 0, 0}, {0, 0, 1}, kStart, kStart + 200'000);
+  client_->apply_force({0, 0, 0}, {0, 0, 1}, kStart, kStart + 200'000);
   for (int i = 1; i <= 30; ++i) service(kStart + i * 20'000);
   manual_force_t force;
   std::int64_t arrival = 0;
   int count = 0;
   for (; forces_->take(force, arrival); ++count) EXPECT_EQ(force.force[2], 1);
   EXPECT_EQ(count, 4) << "at 0, 60, 120 and 180 ms: each is valid for 100 ms";
-  client_->push({0, 0, 0}, {0, 0, 2}, now_);
+  client_->apply_force({0, 0, 0}, {0, 0, 2}, now_);
   service(now_ + 60'000);
   EXPECT_TRUE(forces_->take(force, arrival));
   EXPECT_FALSE(forces_->take(force, arrival));

@@ -9,12 +9,17 @@
 #include <vector>
 
 #include "tests/support/scratch_folder.hpp"
+#include "tests/unit/rt/bus/messages.hpp"
 #include "tools/log/event_log.hpp"
 #include "tools/log/log_reader.hpp"
 #include "tools/log/plant_truth.hpp"
 
 namespace palpate::log {
 namespace {
+
+using bus::wire::encoded;
+
+const std::vector<float> kCorners = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};  // of a tetrahedron
 
 template <class Message>
 Message stamped() {
@@ -25,10 +30,15 @@ Message stamped() {
   return message;
 }
 
-template <class Into, class Message>
-bool read(const Message& message, Into& into) {
-  std::vector<std::uint8_t> data(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(data.data(), 0, static_cast<int>(data.size()));
+/// Sets a list of a message and its length.
+template <class List>
+void put(List& list, std::int32_t& count, const List& content) {
+  list = content;
+  count = static_cast<std::int32_t>(content.size());
+}
+
+template <class Into>
+bool read(const std::vector<std::uint8_t>& data, Into& into) {
   return decode(into, data.data(), static_cast<int>(data.size()));
 }
 
@@ -37,6 +47,12 @@ void expect_stamped(const Message& message) {
   EXPECT_EQ(message.utime, 1234);
   EXPECT_EQ(message.seq, 5);
   EXPECT_EQ(message.session, 6);
+}
+
+template <class List>
+void expect_list(const List& list, std::int32_t count, const List& expected) {
+  EXPECT_EQ(list, expected);
+  EXPECT_EQ(count, static_cast<std::int32_t>(expected.size()));
 }
 
 health_v1_t former_health() {
@@ -57,10 +73,8 @@ shape_v1_t former_shape() {
   former.status = shape_t::STATUS_NOT_CONVERGED;
   former.age_us = 12;
   former.node_count = 4;
-  former.xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-  former.xyz_count = 12;
-  former.deviation = {1, 2, 3, 4};
-  former.deviation_count = 4;
+  put(former.xyz, former.xyz_count, kCorners);
+  put(former.deviation, former.deviation_count, {1, 2, 3, 4});
   return former;
 }
 
@@ -70,21 +84,17 @@ shape_mesh_v1_t former_mesh() {
   former.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
   former.chunks = 1;
   former.corner_count = 4;
-  former.rest_xyz = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-  former.rest_xyz_count = 12;
+  put(former.rest_xyz, former.rest_xyz_count, kCorners);
   former.element_size = 4;
-  former.elements = {0, 1, 2, 3};
-  former.element_index_count = 4;
-  former.triangles = {0, 2, 1};
-  former.triangle_index_count = 3;
-  former.constrained = {3};
-  former.constrained_count = 1;
+  put(former.elements, former.element_index_count, {0, 1, 2, 3});
+  put(former.triangles, former.triangle_index_count, {0, 2, 1});
+  put(former.constrained, former.constrained_count, {3});
   return former;
 }
 
 TEST(FormerTypes, HealthIsReadUnderItsNewNames) {
   health_t health;
-  ASSERT_TRUE(read(former_health(), health));
+  ASSERT_TRUE(read(encoded(former_health()), health));
   expect_stamped(health);
   EXPECT_EQ(health.cycles, 7);
   EXPECT_EQ(health.gate_limited, 8);
@@ -96,7 +106,7 @@ TEST(FormerTypes, HealthIsReadUnderItsNewNames) {
 
 TEST(FormerTypes, ShapesAreOneChunkOfCornerNodes) {
   shape_t shape;
-  ASSERT_TRUE(read(former_shape(), shape));
+  ASSERT_TRUE(read(encoded(former_shape()), shape));
   expect_stamped(shape);
   EXPECT_EQ(shape.mesh_hash, 77);
   EXPECT_EQ(shape.status, shape_t::STATUS_NOT_CONVERGED);
@@ -105,15 +115,13 @@ TEST(FormerTypes, ShapesAreOneChunkOfCornerNodes) {
   EXPECT_EQ(shape.chunks, 1);
   EXPECT_EQ(shape.first_node, 0);
   EXPECT_EQ(shape.node_count, 4);
-  EXPECT_EQ(shape.xyz, former_shape().xyz);
-  EXPECT_EQ(shape.xyz_count, 12);
-  EXPECT_EQ(shape.deviation, former_shape().deviation);
-  EXPECT_EQ(shape.deviation_count, 4);
+  expect_list(shape.xyz, shape.xyz_count, kCorners);
+  expect_list(shape.deviation, shape.deviation_count, {1, 2, 3, 4});
 }
 
 TEST(FormerTypes, MeshesKeepTheirElementsOfCornerNodes) {
   shape_mesh_t mesh;
-  ASSERT_TRUE(read(former_mesh(), mesh));
+  ASSERT_TRUE(read(encoded(former_mesh()), mesh));
   expect_stamped(mesh);
   EXPECT_EQ(mesh.mesh_hash, 77);
   EXPECT_EQ(mesh.element_kind, shape_mesh_t::QUADRATIC_TETRAHEDRA);
@@ -121,26 +129,21 @@ TEST(FormerTypes, MeshesKeepTheirElementsOfCornerNodes) {
   EXPECT_EQ(mesh.chunk, 0);
   EXPECT_EQ(mesh.chunks, 1);
   EXPECT_EQ(mesh.node_count, 4);
-  EXPECT_EQ(mesh.rest_xyz, former_mesh().rest_xyz);
-  EXPECT_EQ(mesh.elements, former_mesh().elements);
-  EXPECT_EQ(mesh.triangles, former_mesh().triangles);
-  EXPECT_EQ(mesh.constrained, former_mesh().constrained);
-  EXPECT_EQ(mesh.rest_xyz_count, 12);
-  EXPECT_EQ(mesh.element_index_count, 4);
-  EXPECT_EQ(mesh.triangle_index_count, 3);
-  EXPECT_EQ(mesh.constrained_count, 1);
+  expect_list(mesh.rest_xyz, mesh.rest_xyz_count, kCorners);
+  expect_list(mesh.elements, mesh.element_index_count, {0, 1, 2, 3});
+  expect_list(mesh.triangles, mesh.triangle_index_count, {0, 2, 1});
+  expect_list(mesh.constrained, mesh.constrained_count, {3});
 }
 
 TEST(FormerTypes, OtherTypesAreNotDecoded) {
   shape_t shape;
-  EXPECT_FALSE(read(former_mesh(), shape));
+  EXPECT_FALSE(read(encoded(former_mesh()), shape));
   health_t health;
-  EXPECT_FALSE(read(stamped<imu_t>(), health));
-  const shape_v1_t former = former_shape();
-  std::vector<std::uint8_t> data(static_cast<std::size_t>(former.getEncodedSize()));
-  former.encode(data.data(), 0, static_cast<int>(data.size()));
-  EXPECT_TRUE(decode(shape, data.data(), static_cast<int>(data.size())));
-  EXPECT_FALSE(decode(shape, data.data(), static_cast<int>(data.size()) - 4));
+  EXPECT_FALSE(read(encoded(stamped<imu_t>()), health));
+  std::vector<std::uint8_t> data = encoded(former_shape());
+  EXPECT_TRUE(read(data, shape));
+  data.resize(data.size() - 4);
+  EXPECT_FALSE(read(data, shape));
 }
 
 TEST(FormerTypes, AFormerLogIsReadAsAWhole) {

@@ -5,10 +5,13 @@
 #include <set>
 
 #include "tests/unit/lcmtypes/all_types.hpp"
+#include "tests/unit/rt/bus/messages.hpp"
 #include "tools/log/record.hpp"
 
 namespace palpate::log {
 namespace {
+
+using bus::wire::encoded;
 
 const TypeInfo* find(const std::string& name) {
   for (const TypeInfo& type : types())
@@ -59,13 +62,6 @@ TEST(TypeTable, KnowsUnitsCountsAndConstants) {
   const std::pair<std::string, std::int64_t> old{"STATUS_OLD", 1};
   EXPECT_EQ(shape.constants[1], old);
   EXPECT_EQ(shape.field("no such field"), -1);
-}
-
-template <class Message>
-std::vector<std::uint8_t> encoded(const Message& message) {
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
 }
 
 TEST(Record, TakesEveryTypeApart) {

@@ -71,12 +71,13 @@ class Program : public MeshFolder {
   }
 
   /// check finds the fault; repair rejects the mesh with an image and writes nothing.
-  void expect_refused(const std::string& file, const std::string& kind,
-                      const std::vector<long>& numbers) {
+  void expect_rejected(const std::string& file, const std::string& kind,
+                       const std::vector<long>& numbers) {
     expect_found(file, kind, numbers, true);
     const std::string out = path("never" + std::filesystem::path(file).extension().string());
     EXPECT_EQ(run({"repair", path(file), out}), 65) << output();
-    EXPECT_THAT(output(), AllOf(HasSubstr(path(file)), HasSubstr("refused"), HasSubstr("error: ")));
+    EXPECT_THAT(output(),
+                AllOf(HasSubstr(path(file)), HasSubstr("rejected"), HasSubstr("error: ")));
     for (const long number : numbers) EXPECT_THAT(output(), HasSubstr(std::to_string(number)));
     EXPECT_FALSE(std::filesystem::exists(out));
     EXPECT_GT(red_pixels(out + ".faults.png"), 100);
@@ -157,7 +158,7 @@ TEST_F(Program, HexahedraAreCut) {
   expect_repaired("a.msh", "mixed", {7, 8}, "cut into tetrahedra", 0.2 * 0.1 * 0.1);
 }
 
-TEST_F(Program, PartsAreRefusedOrDropped) {
+TEST_F(Program, PartsAreRejectedOrDropped) {
   mesh::MeshWithGroups mesh = bar();
   const Eigen::Vector4i first = mesh.mesh.tetrahedra.col(0);
   Eigen::Vector4i corners;
@@ -165,12 +166,12 @@ TEST_F(Program, PartsAreRefusedOrDropped) {
     corners[i] = add_node(mesh.mesh, mesh.mesh.nodes.col(first[i]) + Eigen::Vector3d(0.3, 0, 0));
   add(mesh.mesh, corners);
   write_mesh("a.msh", mesh);
-  expect_refused("a.msh", "parts", {97});
+  expect_rejected("a.msh", "parts", {97});
   EXPECT_EQ(run({"repair", path("a.msh"), path("b.msh"), "--largest-part"}), 0) << output();
   EXPECT_EQ(read_volume(path("b.msh"), 1).mesh.tetrahedron_count(), 96);
 }
 
-TEST_F(Program, HingedPartsAreRefusedOrDropped) {
+TEST_F(Program, HingedPartsAreRejectedOrDropped) {
   mesh::MeshWithGroups mesh = bar();
   const int far = 44;
   const Eigen::Vector3d at = mesh.mesh.nodes.col(far);
@@ -179,11 +180,11 @@ TEST_F(Program, HingedPartsAreRefusedOrDropped) {
   const int c = add_node(mesh.mesh, at + Eigen::Vector3d(0, 0, 0.05));
   add(mesh.mesh, Eigen::Vector4i(far, a, b, c));
   write_mesh("a.msh", mesh);
-  expect_refused("a.msh", "hinged_parts", {97});
+  expect_rejected("a.msh", "hinged_parts", {97});
   EXPECT_EQ(run({"repair", path("a.msh"), path("b.msh"), "--largest-part"}), 0) << output();
 }
 
-TEST_F(Program, OverlapsAreRefused) {
+TEST_F(Program, OverlapsAreRejected) {
   mesh::MeshWithGroups mesh = bar();
   const Eigen::Vector4i first = mesh.mesh.tetrahedra.col(0);
   const Eigen::Vector3d middle = mesh.mesh.nodes(Eigen::all, first).rowwise().mean();
@@ -194,14 +195,14 @@ TEST_F(Program, OverlapsAreRefused) {
   EXPECT_GT(red_pixels(path("b.msh.faults.png")), 100);
 }
 
-TEST_F(Program, NumbersThatAreNoneAreRefused) {
+TEST_F(Program, NumbersThatAreNoneAreRejected) {
   mesh::MeshWithGroups mesh = bar();
   mesh.mesh.nodes(1, 30) = NAN;
   write_mesh("a.msh", mesh);
-  expect_refused("a.msh", "not_finite", {31});
+  expect_rejected("a.msh", "not_finite", {31});
 }
 
-TEST_F(Program, NodesThatAreNotThereAreRefusedInEveryFormat) {
+TEST_F(Program, NodesThatAreNotThereAreRejectedInEveryFormat) {
   // The last node of element 41 is replaced by a nonexistent one.
   const auto lose = [this](const std::string& name, const std::string& line) {
     std::string text = text_of(name);
@@ -211,10 +212,10 @@ TEST_F(Program, NodesThatAreNotThereAreRefusedInEveryFormat) {
   };
   write_mesh("a.node", bar());
   lose("a.ele", "\n41 ");
-  expect_refused("a.ele", "out_of_range", {41});
+  expect_rejected("a.ele", "out_of_range", {41});
   write_mesh("b.msh", bar());
   lose("b.msh", "\n41 4 ");
-  expect_refused("b.msh", "out_of_range", {41});
+  expect_rejected("b.msh", "out_of_range", {41});
   ASSERT_EQ(run({"box", path("c.veg"), "--size", "0.2", "0.1", "0.1", "--edge", "0.05"}), 0);
   std::string veg = text_of("c.veg");
   const std::size_t line = veg.find("\n41 ", veg.find("TETS"));
@@ -242,7 +243,7 @@ TEST_F(Program, UnitsThatCannotBeMeantAreWarnedOf) {
   EXPECT_THAT(output(), Not(HasSubstr("warning")));
 }
 
-TEST_F(Program, SurfacesAreRepairedOrRefused) {
+TEST_F(Program, SurfacesAreRepairedOrRejected) {
   const mesh::TriangleSurface ball =
       boundary(mesh::make_ellipsoid({0.05, 0.05, 0.05}, 3, mesh::RoundSides::kFull).mesh);
   const auto expect_surface_repaired = [&](const mesh::TriangleSurface& broken,
@@ -267,7 +268,7 @@ TEST_F(Program, SurfacesAreRepairedOrRefused) {
   twice.triangles << ball.triangles, ball.triangles.col(3);
   expect_surface_repaired(twice, "repeated", "there twice");
 
-  const auto refuse = [&](const mesh::TriangleSurface& broken, const std::string& kind) {
+  const auto reject = [&](const mesh::TriangleSurface& broken, const std::string& kind) {
     write_surface(broken, path("c.stl"));
     EXPECT_EQ(run({"repair", path("c.stl"), path("d.stl")}), 65) << output();
     const nlohmann::json found =
@@ -281,24 +282,24 @@ TEST_F(Program, SurfacesAreRepairedOrRefused) {
   crossed.points << ball.points, ball.points.colwise() + Eigen::Vector3d(0.06, 0.002, 0.001);
   crossed.triangles.resize(3, 2 * ball.triangle_count());
   crossed.triangles << ball.triangles, (ball.triangles.array() + ball.point_count()).matrix();
-  refuse(crossed, "self_intersection");
+  reject(crossed, "self_intersection");
   sheet.points.resize(3, ball.point_count() + 1);
   sheet.points << ball.points, 2 * ball.points.col(ball.triangles(0, 0));
   sheet.triangles.resize(3, ball.triangle_count() + 1);
   sheet.triangles << ball.triangles,
       Eigen::Vector3i(ball.triangles(0, 0), ball.triangles(1, 0), ball.point_count());
-  refuse(sheet, "non_manifold_edge");
+  reject(sheet, "non_manifold_edge");
   nowhere.points(0, 5) = INFINITY;
-  refuse(nowhere, "not_finite");
+  reject(nowhere, "not_finite");
   mesh::TriangleSurface pinched = crossed;
   int top = 0;
   ball.points.row(0).maxCoeff(&top);
   pinched.points.rightCols(ball.point_count()) =
       ball.points.colwise() + Eigen::Vector3d(2 * ball.points(0, top), 0, 0);
-  refuse(pinched, "pinched");
+  reject(pinched, "pinched");
   mesh::TriangleSurface two = crossed;
   two.points.rightCols(ball.point_count()).row(0).array() += 0.1;
-  refuse(two, "parts");
+  reject(two, "parts");
 }
 
 TEST_F(Program, ReportsThatGmshIsMissingSlowOrFailing) {

@@ -20,6 +20,7 @@ health_t active() {
   health.state = 2;
   health.cycles = 1234;
   health.overruns = 3;
+  health.gate_rejected = 4;
   health.phase_count = 10;
   for (int i = 0; i < 10; ++i) health.p99_us[i] = 10.5f * static_cast<float>(i + 1);
   health.input_count = 2;
@@ -76,6 +77,7 @@ TEST_F(ViewTest, ShowsTheDaemon) {
   EXPECT_EQ(json["daemon"]["state"], "active");
   EXPECT_EQ(json["daemon"]["latency_us"]["wake-up"]["p99"], 105);
   EXPECT_EQ(json["daemon"]["inputs"]["FT_WRENCH"]["lost"], 2);
+  EXPECT_EQ(json["daemon"]["gate_rejected"], 4) << "as HEALTH names it";
 }
 
 TEST_F(ViewTest, FaultsStandOutWithTheirReason) {

@@ -2,10 +2,8 @@
 
 #include <string>
 
-#include "core/estimation/estimator.hpp"
-#include "core/estimation/step_watch.hpp"
-#include "core/math/update_result.hpp"
 #include "tools/lab/baselines/learning/shape_network.hpp"
+#include "tools/lab/baselines/learning/shape_predictor.hpp"
 
 namespace palpate::baselines {
 
@@ -28,7 +26,7 @@ namespace palpate::baselines {
 /// of both papers that extracts the contour, so that the contour in the image of [28] becomes the
 /// surface in space; the separate network per cluster of [37] is replaced by one with as many
 /// outputs. Nodes between units follow the nearby units.
-class LearnedShape final : public estimation::Estimator {
+class LearnedShape final : public ShapePredictor {
  public:
   enum class Inputs { kPosition, kAngle };
   struct Model {
@@ -49,23 +47,20 @@ class LearnedShape final : public estimation::Estimator {
   /// inconsistent, the body has no grasp, or `average` is not positive.
   LearnedShape(const elasticity::Body& body, const Model& model, double average);
 
-  void activate(elasticity::DeformationModel& model) noexcept override;
-  /// Degraded while the hand's wrench or pose is missing.
-  UpdateResult update(const estimation::EstimationInputs& inputs,
-                      elasticity::DeformationModel& model,
-                      estimation::Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
  private:
+  /// Degraded while the hand's wrench or pose is missing.
+  UpdateResult predict(const estimation::EstimationInputs& inputs, double step,
+                       Eigen::Matrix3Xd& shape, estimation::Estimate& estimate) noexcept override;
+
   Model model_;
   double average_;
   math::Pose rest_pose_;
   Eigen::MatrixXd spread_;  // mesh nodes x units
   Eigen::VectorXd input_, room_, output_;
-  Eigen::Matrix3Xd rest_, shape_, still_;
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   bool felt_ = false;
-  estimation::StepGuard step_guard_;
 };
 
 /// Reads a model written by palpate-evaluate train-sensing, YAML. Throws config::Error with file

@@ -76,43 +76,35 @@ Eigen::Index ComplianceProcess::least_known(const Eigen::Matrix3Xd& places) cons
 
 ComplianceMap::ComplianceMap(const elasticity::Body& body, const mesh::Surface& surface,
                              const Options& options)
-    : options_(options),
+    : ShapePredictor(body),
+      options_(options),
       process_(options.process),
       matcher_(surface),
-      rest_(body.mesh.nodes),
-      shape_(body.mesh.nodes),
-      still_(Eigen::Matrix3Xd::Zero(3, body.mesh.node_count())),
       fixed_(body.fixed_nodes) {
   if (!(options.footprint > 0) || !(options.least_force > 0) || !(options.every > 0))
     throw std::invalid_argument("options of a compliance map must be positive");
-  matcher_.take(rest_);
+  matcher_.take(rest());
 }
 
 void ComplianceMap::reset() noexcept {
+  ShapePredictor::reset();
   process_.clear();
-  shape_ = rest_;
   since_ = 0;
 }
 
-void ComplianceMap::activate(elasticity::DeformationModel& model) noexcept {
-  reset();
-  for (int g = 0; g < static_cast<int>(model.body().grasps.size()); ++g) model.release(g);
-}
-
-UpdateResult ComplianceMap::update(const estimation::EstimationInputs& inputs,
-                                   elasticity::DeformationModel& model,
-                                   estimation::Estimate& estimate) noexcept {
-  const bool good = step_guard_.accepts(inputs.dt);
-  since_ += step_guard_.step();
+UpdateResult ComplianceMap::predict(const estimation::EstimationInputs& inputs, double step,
+                                    Eigen::Matrix3Xd& shape,
+                                    estimation::Estimate& /*estimate*/) noexcept {
+  since_ += step;
   const bool learns = since_ >= options_.every;
   if (learns) since_ = 0;
-  shape_ = rest_;
+  shape = rest();
   for (int i = 0; i < inputs.contact_count; ++i) {
     const contact::ContactLoads& touch = inputs.contacts[i];
     if (!touch.accepted || sensing::is_wrist(touch.source)) continue;
     Vector3d force = Vector3d::Zero();
     for (const contact::NodalLoad& load : touch.loads)
-      if (estimation::is_valid(load, model.body().mesh.node_count())) force += load.force;
+      if (estimation::is_valid(load, static_cast<int>(shape.cols()))) force += load.force;
     const contact::SurfaceMatch place = matcher_.find(touch.location);
     const double pressed = -place.normal.dot(force);
     if (place.count == 0 || !(pressed > options_.least_force)) continue;
@@ -120,18 +112,11 @@ UpdateResult ComplianceMap::update(const estimation::EstimationInputs& inputs,
     if (learns && depth > 0) process_.add(place.position, depth / pressed);
     const double gives = process_.at(place.position).compliance * pressed;
     const double scale = -0.5 / (options_.footprint * options_.footprint);
-    for (Eigen::Index n = 0; n < rest_.cols(); ++n)
-      shape_.col(n) -=
-          gives * std::exp(scale * (rest_.col(n) - place.position).squaredNorm()) * place.normal;
+    for (Eigen::Index n = 0; n < shape.cols(); ++n)
+      shape.col(n) -=
+          gives * std::exp(scale * (rest().col(n) - place.position).squaredNorm()) * place.normal;
   }
-  for (const int node : fixed_) shape_.col(node) = rest_.col(node);
-  const bool laid = model.restore(shape_, still_);
-  estimate.step = elasticity::StepReport{
-      laid ? elasticity::StepStatus::kConverged : elasticity::StepStatus::kFailed, 0, 0};
-  estimate.log_young_modulus = std::log(model.body().material.young_modulus);
-  estimate.poisson_ratio = model.body().material.poisson_ratio;
-  if (!laid) return {Status::kDegraded, "the shape of a compliance map is not finite"};
-  if (!good) return {Status::kDegraded, "time step is not positive and finite"};
+  for (const int node : fixed_) shape.col(node) = rest().col(node);
   return {};
 }
 

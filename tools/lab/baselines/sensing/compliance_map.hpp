@@ -1,9 +1,7 @@
 #pragma once
 
 #include "core/contact/surface_match.hpp"
-#include "core/estimation/estimator.hpp"
-#include "core/estimation/step_watch.hpp"
-#include "core/math/update_result.hpp"
+#include "tools/lab/baselines/learning/shape_predictor.hpp"
 
 namespace palpate::baselines {
 
@@ -62,7 +60,7 @@ class ComplianceProcess {
 /// contact yields by its compliance, and the surrounding surface by a Gaussian of width
 /// `footprint`. The next contact point is reported, not approached: the controller commands the
 /// robot.
-class ComplianceMap final : public estimation::Estimator {
+class ComplianceMap final : public ShapePredictor {
  public:
   struct Options {
     ComplianceProcess::Options process;
@@ -76,20 +74,17 @@ class ComplianceMap final : public estimation::Estimator {
 
   const ComplianceProcess& process() const noexcept { return process_; }
 
-  void activate(elasticity::DeformationModel& model) noexcept override;
-  UpdateResult update(const estimation::EstimationInputs& inputs,
-                      elasticity::DeformationModel& model,
-                      estimation::Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
  private:
+  UpdateResult predict(const estimation::EstimationInputs& inputs, double step,
+                       Eigen::Matrix3Xd& shape, estimation::Estimate& estimate) noexcept override;
+
   Options options_;
   ComplianceProcess process_;
   contact::SurfaceMatcher matcher_;
-  Eigen::Matrix3Xd rest_, shape_, still_;
   std::vector<int> fixed_;
   double since_ = 0;  // s
-  estimation::StepGuard step_guard_;
 };
 
 }  // namespace palpate::baselines

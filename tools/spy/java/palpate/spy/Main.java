@@ -41,9 +41,9 @@ public final class Main {
     synchronized (lcm) {
       for (String line : SpyAccess.describeChannels(spy)) System.out.println(line);
     }
-    long refused = 0;
-    for (Receiver receiver : receivers) refused += receiver.refused();
-    System.out.println("refused " + refused + " datagrams");
+    long rejected = 0;
+    for (Receiver receiver : receivers) rejected += receiver.rejected();
+    System.out.println("rejected " + rejected + " datagrams");
     System.exit(0);
   }
 

@@ -18,7 +18,7 @@ final class Receiver extends Thread {
   private final Url url;
   private final LCM into;
   private final MulticastSocket socket;
-  private volatile long refused;
+  private volatile long rejected;
 
   Receiver(Url url, LCM into) throws IOException {
     super("receive " + url.text);
@@ -33,8 +33,8 @@ final class Receiver extends Thread {
   }
 
   /** Datagrams that were not short messages, or that the spy could not decode. */
-  long refused() {
-    return refused;
+  long rejected() {
+    return rejected;
   }
 
   @Override
@@ -51,7 +51,7 @@ final class Receiver extends Thread {
       }
       Datagram datagram = Datagram.parse(buffer, packet.getLength());
       if (datagram == null) {
-        ++refused;
+        ++rejected;
         continue;
       }
       try {
@@ -60,7 +60,7 @@ final class Receiver extends Thread {
           into.receiveMessage(datagram.channel, buffer, datagram.payloadAt, datagram.payloadSize);
         }
       } catch (RuntimeException | OutOfMemoryError error) {
-        ++refused;
+        ++rejected;
       }
     }
   }
