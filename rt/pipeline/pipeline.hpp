@@ -7,7 +7,7 @@
 
 #include "core/control/joint_gate.hpp"
 #include "core/control/safety_gate.hpp"
-#include "core/frames/measurements.hpp"
+#include "core/frames/arm_frames.hpp"
 #include "rt/pipeline/replacement.hpp"
 
 namespace palpate::pipeline {

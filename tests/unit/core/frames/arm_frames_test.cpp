@@ -9,6 +9,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using sensing::Source;
 
 math::Pose pose(const Vector3d& p, const Vector3d& rotation) {
   return math::make_pose(math::exp_rotation(rotation), p);
@@ -83,6 +84,144 @@ TEST(ArmFrames, NearPosesDifferInNeitherPlaceNorAngle) {
   EXPECT_FALSE(are_near(kX_WE, turned, 1e-6, 0.099));
   turned.linear() = kX_WE.linear() * math::exp_rotation({0, math::kPi, 0});
   EXPECT_FALSE(are_near(kX_WE, turned, 1e-6, 1));
+}
+
+class MeasurementsTest : public ::testing::Test {
+ protected:
+  MeasurementsTest() {
+    frames_.X_WO = math::make_pose(math::exp_rotation({0, 0, 1.2}), {0.4, 0, 0.1});
+    frames_.X_ES = math::make_pose(math::exp_rotation({0.5, 0, 0}), {0, 0, 0.05});
+    frames_.X_EG = math::make_pose(Eigen::Matrix3d::Identity(), {0, 0, 0.2});
+    second_frames_ = frames_;
+    second_frames_.X_WO.translation().x() = -0.4;
+    signals_.robot.freshness = Freshness::kNew;
+    signals_.robot.latest.X_WE = math::make_pose(math::exp_rotation({0, 0.3, 0}), {0.5, 0.2, 0.4});
+  }
+  static sensing::Contact contact(Source source) {
+    sensing::Contact contact;
+    contact.source = source;
+    contact.location = {0.001, 0.002, 0.003};
+    contact.wrench = {{1, 2, 3}, {0.1, 0.2, 0.3}};
+    return contact;
+  }
+  sensing::ContactSet located(const sensing::Contact& contact, bool known = true) {
+    sensing::ContactSet contacts, contacts_O;
+    contacts.push(contact);
+    contacts_O.count = 5;  // from the tick before
+    to_object_frame(contacts, {frames_, signals_, known}, {second_frames_, signals_, known},
+                    contacts_O);
+    return contacts_O;
+  }
+  math::Pose X_OG() const { return frames_.X_OG(signals_.robot.latest.X_WE); }
+
+  ArmFrames frames_, second_frames_;
+  sensing::Signals signals_;
+};
+
+TEST_F(MeasurementsTest, TheWristsWrenchActsAtTheGrasp) {
+  const sensing::ContactSet contacts = located(contact(Source::kWrist0));
+  ASSERT_EQ(contacts.count, 1);
+  const sensing::Contact& wrist = contacts.contacts[0];
+  EXPECT_EQ(wrist.location, X_OG().translation());
+  const math::Wrench expected =
+      frames_.wrench_in_object(contact(Source::kWrist0).wrench, X_OG().linear());
+  EXPECT_EQ(wrist.wrench.force, expected.force);
+  EXPECT_EQ(wrist.wrench.torque, expected.torque);
+}
+
+TEST_F(MeasurementsTest, TheSecondWristHasItsOwnFrames) {
+  const sensing::ContactSet contacts = located(contact(Source::kWrist1));
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_EQ(contacts.contacts[0].location,
+            second_frames_.X_OG(signals_.robot.latest.X_WE).translation());
+}
+
+TEST_F(MeasurementsTest, AWristOfAnUnknownArmIsLeftOut) {
+  EXPECT_EQ(located(contact(Source::kWrist0), false).count, 0);
+  EXPECT_EQ(located(contact(Source::kWrist1), false).count, 0);
+}
+
+TEST_F(MeasurementsTest, AFingertipIsWhereTheHandReportsIt) {
+  EXPECT_EQ(located(contact(Source::kFinger1)).count, 0);  // no state of the hand yet
+  signals_.hand.freshness = Freshness::kOld;
+  signals_.hand.latest.fingertip_count = 2;
+  signals_.hand.latest.X_ET[1] = math::make_pose(math::exp_rotation({0, 0, 0.4}), {0.01, 0, 0.1});
+  EXPECT_EQ(located(contact(Source::kFinger1), false).count, 0);
+  EXPECT_EQ(located(contact(Source::kFinger2)).count, 0);  // the hand has two
+  const sensing::ContactSet contacts = located(contact(Source::kFinger1));
+  ASSERT_EQ(contacts.count, 1);
+  const math::Pose X_OT = frames_.X_OE(signals_.robot.latest.X_WE) * signals_.hand.latest.X_ET[1];
+  EXPECT_TRUE(contacts.contacts[0].location.isApprox(X_OT * Vector3d(0.001, 0.002, 0.003)));
+  EXPECT_TRUE(contacts.contacts[0].wrench.force.isApprox(X_OT.linear() * Vector3d(1, 2, 3)));
+  EXPECT_TRUE(contacts.contacts[0].wrench.torque.isApprox(X_OT.linear() * Vector3d(0.1, 0.2, 0.3)));
+}
+
+TEST_F(MeasurementsTest, AFixedFingertipNeedsNoArm) {
+  frames_.X_OT[3] = math::make_pose(Eigen::Matrix3d::Identity(), {0.1, 0.2, 0.3});
+  const sensing::ContactSet contacts = located(contact(Source::kFinger3), false);
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_TRUE(contacts.contacts[0].location.isApprox(Vector3d(0.101, 0.202, 0.303)));
+}
+
+TEST_F(MeasurementsTest, AManualContactIsUnchanged) {
+  const sensing::ContactSet contacts = located(contact(Source::kManual), false);
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_EQ(contacts.contacts[0].location, Vector3d(0.001, 0.002, 0.003));
+  EXPECT_EQ(contacts.contacts[0].wrench.force, Vector3d(1, 2, 3));
+}
+
+estimation::GraspInput grasp_input(const ArmMeasurements& arm,
+                                   const sensing::ContactSet& contacts_O) {
+  estimation::GraspInput input;
+  input.wrench_valid = true;  // of the previous tick
+  update_grasp(arm, 0, contacts_O, input);
+  return input;
+}
+
+TEST_F(MeasurementsTest, AGraspHasThePoseAndTheWrenchOfItsOwnHand) {
+  sensing::ContactSet contacts_O = located(contact(Source::kWrist1));
+  const ArmMeasurements arm{frames_, signals_, true};
+  estimation::GraspInput input = grasp_input(arm, contacts_O);
+  EXPECT_TRUE(input.holding);
+  EXPECT_EQ(input.pose_freshness, Freshness::kNew);
+  EXPECT_TRUE(input.X_OG.isApprox(X_OG()));
+  EXPECT_FALSE(input.wrench_valid);
+  contacts_O = located(contact(Source::kWrist0));
+  input = grasp_input(arm, contacts_O);
+  EXPECT_TRUE(input.wrench_valid);
+  EXPECT_EQ(input.F_G_O.force, contacts_O.contacts[0].wrench.force);
+}
+
+TEST_F(MeasurementsTest, AHandThatReportsItsGraspDecidesWhetherItHolds) {
+  const ArmMeasurements arm{frames_, signals_, true};
+  signals_.hand.freshness = Freshness::kOld;
+  signals_.hand.latest.grasp = sensing::Grasp::kNone;
+  EXPECT_FALSE(grasp_input(arm, {}).holding);
+  signals_.hand.latest.grasp = sensing::Grasp::kHolding;
+  EXPECT_TRUE(grasp_input(arm, {}).holding);
+  EXPECT_FALSE(grasp_input({frames_, signals_, false}, {}).holding);
+}
+
+TEST_F(MeasurementsTest, ObservedPointsAreConvertedOnce) {
+  auto& stream = signals_.observation;
+  stream.freshness = Freshness::kNew;
+  stream.age = 0.01;
+  stream.latest.count = 2;
+  stream.latest.deviation = 1e-3;
+  stream.latest.points_W.col(1) = Eigen::Vector3f(0.5F, 0.25F, 0.125F);
+  estimation::ObservationInput observation;
+  update_observation({frames_, signals_, true}, observation);
+  ASSERT_EQ(observation.points_O.cols(), 2);
+  EXPECT_TRUE(
+      (frames_.X_WO * Vector3d(observation.points_O.col(1))).isApprox(Vector3d(0.5, 0.25, 0.125)));
+  EXPECT_EQ(observation.deviation, 1e-3);
+  stream.freshness = Freshness::kOld;
+  stream.age = 0.02;
+  stream.latest.count = 1;
+  update_observation({frames_, signals_, true}, observation);
+  EXPECT_EQ(observation.freshness, Freshness::kOld);
+  EXPECT_EQ(observation.age, 0.02);
+  EXPECT_EQ(observation.points_O.cols(), 2);
 }
 
 }  // namespace
