@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::math {
 
 /// Mean of the last `samples` vectors (of all vectors so far while there are fewer).
@@ -123,6 +125,56 @@ class DelayLine {
   std::vector<Vector> ring_;
   int next_ = 0;
   bool started_ = false;
+};
+
+/// Offset of a sensor at rest: mean of the next `samples` samples after each start(). Until the
+/// mean is complete the previous offset remains valid, so that repeated taring causes no gap.
+template <int kSize>
+class Tare {
+ public:
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+
+  explicit Tare(int samples) : samples_(samples) {
+    check_option(samples >= 1, "tare_samples", samples, "at least 1");
+  }
+
+  void start() noexcept {
+    remaining_ = samples_;
+    sum_.setZero();
+  }
+
+  void update(const Vector& x) noexcept {
+    if (remaining_ == 0) return;
+    sum_ += x;
+    if (--remaining_ > 0) return;
+    offset_ = sum_ / samples_;
+    known_ = true;
+  }
+
+  /// Clears the offset.
+  void reset() noexcept {
+    remaining_ = 0;
+    known_ = false;
+    offset_.setZero();
+  }
+
+  /// Sets the offset, e.g. one handed over by the replaced model.
+  void set(const Vector& offset) noexcept {
+    reset();
+    offset_ = offset;
+    known_ = true;
+  }
+
+  bool is_known() const noexcept { return known_; }
+  bool is_running() const noexcept { return remaining_ > 0; }
+  const Vector& offset() const noexcept { return offset_; }  // zero if not known
+
+ private:
+  int samples_;
+  int remaining_ = 0;
+  bool known_ = false;
+  Vector sum_ = Vector::Zero();
+  Vector offset_ = Vector::Zero();
 };
 
 }  // namespace palpate::math

@@ -2,7 +2,7 @@
 
 #include "core/math/update_result.hpp"
 #include "core/sensing/linear_tactile.hpp"
-#include "core/sensing/tare.hpp"
+#include "core/sensing/sensor_model.hpp"
 
 namespace palpate::sensing {
 

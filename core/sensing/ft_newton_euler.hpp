@@ -6,7 +6,6 @@
 #include "core/math/update_result.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/sensor_model.hpp"
-#include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
 

@@ -8,7 +8,6 @@
 #include "core/sensing/recurrent_observer_inputs.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/sensing/streamed_model.hpp"
-#include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
 

@@ -3,7 +3,6 @@
 #include "core/math/filter.hpp"
 #include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
-#include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
 

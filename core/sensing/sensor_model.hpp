@@ -1,5 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+
+#include "core/math/filter.hpp"
 #include "core/math/update_result.hpp"
 #include "core/sensing/sequence_executor.hpp"
 #include "core/sensing/signals.hpp"
@@ -67,6 +72,49 @@ class SensorModel {
   }
   /// Executor of learned model 0, 1, ..., for reports; nullptr beyond the last.
   virtual const Executor* executor(int /*index*/) const noexcept { return nullptr; }
+};
+
+/// Converts the offset to and from the state that a model hands over.
+template <int kSize>
+SensorState save(const math::Tare<kSize>& tare, SensorState::Offset meaning) noexcept {
+  SensorState state;
+  static_assert(kSize <= std::tuple_size_v<decltype(state.offset)>);
+  if (!tare.is_known()) return state;
+  state.meaning = meaning;
+  std::copy_n(tare.offset().data(), kSize, state.offset.begin());
+  return state;
+}
+
+template <int kSize>
+bool restore(const SensorState& state, SensorState::Offset meaning,
+             math::Tare<kSize>& tare) noexcept {
+  using Offset = SensorState::Offset;
+  if (state.meaning == Offset::kUnknown) return true;
+  if (state.meaning != meaning)
+    return (state.meaning == Offset::kCounts) == (meaning == Offset::kCounts);
+  const Eigen::Map<const typename math::Tare<kSize>::Vector> offset(state.offset.data());
+  if (offset.allFinite()) tare.set(offset);
+  return true;
+}
+
+/// Sensor model with an offset at rest that zero() measures and that a replacement takes over.
+template <int kSize, SensorState::Offset kMeaning>
+class TaredModel : public SensorModel {
+ public:
+  void zero() noexcept override { tare_.start(); }
+  SensorState save() const noexcept override { return sensing::save(tare_, kMeaning); }
+  bool restore(const SensorState& state) noexcept override {
+    return sensing::restore(state, kMeaning, tare_);
+  }
+
+  /// Samples rejected since construction because a number was not finite.
+  std::int64_t skipped() const noexcept { return skipped_; }
+
+ protected:
+  explicit TaredModel(int tare_samples) : tare_(tare_samples) {}
+
+  math::Tare<kSize> tare_;
+  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include "core/sensing/tare.hpp"
 #include "rt/plugin/plugin.hpp"
 
 namespace example {
@@ -40,7 +39,7 @@ class MedianSensor : public palpate::plugin::PluginSensorModel {
   palpate::math::Vector6d median() const;
 
   Options options_;
-  palpate::sensing::Tare<6> tare_;
+  palpate::math::Tare<6> tare_;
   std::array<palpate::math::Vector6d, kMostSamples> last_{};
   int count_ = 0, next_ = 0;
 };

@@ -71,5 +71,30 @@ TEST(Filters, RefuseWrongSizes) {
   EXPECT_THROW(DelayLine<2>(-1), std::invalid_argument);
 }
 
+TEST(Tare, IsTheMeanOfTheSamplesAfterTheStartAndKeepsTheFormerOneUntilThen) {
+  Tare<2> tare(3);
+  tare.update({100, 100});  // not started
+  EXPECT_FALSE(tare.is_running());
+  tare.start();
+  for (const double x : {1.0, 2.0, 6.0}) {
+    EXPECT_FALSE(tare.is_known());
+    EXPECT_TRUE(tare.is_running());
+    tare.update({x, -x});
+  }
+  EXPECT_TRUE(tare.is_known());
+  EXPECT_FALSE(tare.is_running());
+  EXPECT_EQ(tare.offset(), Vector(3, -3));
+  tare.start();
+  tare.update({9, 9});
+  EXPECT_EQ(tare.offset(), Vector(3, -3));
+  tare.set({4, 5});
+  EXPECT_FALSE(tare.is_running());
+  EXPECT_EQ(tare.offset(), Vector(4, 5));
+  tare.reset();
+  EXPECT_FALSE(tare.is_known());
+  EXPECT_EQ(tare.offset(), Vector(0, 0));
+  EXPECT_THROW(Tare<2>(0), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace palpate::math
