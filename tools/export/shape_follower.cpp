@@ -6,7 +6,7 @@
 #include <palpate/channels.hpp>
 #include <stdexcept>
 
-#include "tools/log/former_types.hpp"
+#include "rt/bus/checked_decode.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kSilence = 1;               // s
 
 template <class T>
 bool decoded(const Message& message, T& into) {
-  return log::decode(into, message.event.data, message.event.size);
+  return bus::decode(into, message.event.data, message.event.size);
 }
 
 template <class T>

@@ -11,7 +11,7 @@ void LogReader::collect(const std::string& channel, std::vector<shape_t>& into) 
   const auto assembler = std::make_shared<bus::ShapeAssembler>();
   handlers_[channel] = [&into, assembler, clock = clock_](const bus::LoggedEvent& event) {
     shape_t chunk;
-    if (!decode(chunk, event.data, event.size)) return false;
+    if (!bus::decode(chunk, event.data, event.size)) return false;
     shape_t* shape = assembler->add(std::move(chunk));
     if (shape == nullptr) return true;
     into.push_back(std::move(*shape));

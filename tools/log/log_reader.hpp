@@ -21,9 +21,9 @@
 #include <string>
 #include <vector>
 
+#include "rt/bus/checked_decode.hpp"
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/shape_chunks.hpp"
-#include "tools/log/former_types.hpp"
 
 namespace palpate::log {
 
@@ -44,7 +44,7 @@ class LogReader {
   void collect(const std::string& channel, std::vector<Message>& into) {
     handlers_[channel] = [&into, clock = clock_](const bus::LoggedEvent& event) {
       Message message;
-      if (!decode(message, event.data, event.size)) return false;
+      if (!bus::decode(message, event.data, event.size)) return false;
       if (clock == LogClock::kReceived) message.utime = event.utime;
       into.push_back(std::move(message));
       return true;

@@ -103,16 +103,16 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
   };
   if (channel == channel::kFeature) {
     feature_t feature;
-    if (log::decode(feature, data, size) && feature.error_count >= 1 && feature.error_count <= 32)
+    if (bus::decode(feature, data, size) && feature.error_count >= 1 && feature.error_count <= 32)
       add(0, error_norm(feature));
   } else if (channel == channel::kHealth) {
     health_t health;
-    if (!log::decode(health, data, size) || health.phase_count != kPhases) return;
+    if (!bus::decode(health, data, size) || health.phase_count != kPhases) return;
     add(1, static_cast<double>(health.p99_us[0]));
     add(2, static_cast<double>(health.p99_us[kPhases - 1]));
   } else if (channel == Scene::kEvents) {
     component_event_t event;
-    if (log::decode(event, data, size)) happened_.emplace_back(time_us, bus::get_text(event.event));
+    if (bus::decode(event, data, size)) happened_.emplace_back(time_us, bus::get_text(event.event));
   }
 }
 

@@ -100,47 +100,50 @@ const std::vector<std::string_view>& Scene::channels() {
   return names;
 }
 
-void Scene::accept(std::string_view channel, const void* data, int size, std::int64_t time_us) {
+bool Scene::accept(std::string_view channel, const void* data, int size, std::int64_t time_us) {
   if (channel == kEvents) {
     component_event_t event;
-    if (!log::decode(event, data, size)) {
+    if (!bus::decode(event, data, size)) {
       ++rejected_;
-      return;
+      return true;
     }
     events_.push_back({++event_count_, time_us, event});
     if (events_.size() > kMostEvents) events_.pop_front();
-    return;
+    return true;
   }
   for (LatestShape* latest : {&shape, &truth}) {
     if (channel != latest->channel) continue;
     shape_t chunk;
-    if (!log::decode(chunk, data, size) || !latest->take(std::move(chunk), time_us)) ++rejected_;
-    return;
+    if (!bus::decode(chunk, data, size) || !latest->take(std::move(chunk), time_us)) ++rejected_;
+    return true;
   }
   if (is_mesh(channel)) {
     shape_mesh_t chunk;
-    if (log::decode(chunk, data, size))
+    if (bus::decode(chunk, data, size))
       meshes_.add(chunk);
     else
       ++rejected_;
-    return;
+    return true;
   }
   for (Fingertip& fingertip : fingertips) {
     if (channel != fingertip.channel) continue;
     biotac_t message;
-    if (log::decode(message, data, size) && is_sound(message))
+    if (bus::decode(message, data, size) && is_sound(message))
       fingertip.take(message, time_us);
     else
       ++rejected_;
-    return;
+    return true;
   }
+  bool is_shown = false;
   for_each_latest([&](auto& latest) {
     if (channel != latest.channel) return;
+    is_shown = true;
     const auto* bytes = static_cast<const std::uint8_t*>(data);
     latest.data.assign(bytes, bytes + size);
     latest.time_us = time_us;
     latest.fresh = true;
   });
+  return is_shown;
 }
 
 void Scene::refresh() {
@@ -149,7 +152,7 @@ void Scene::refresh() {
     latest.fresh = false;
     typename std::decay_t<decltype(latest)>::Type message;
     const bool whole =
-        log::decode(message, latest.data.data(), static_cast<int>(latest.data.size()));
+        bus::decode(message, latest.data.data(), static_cast<int>(latest.data.size()));
     if (!whole || !is_sound(message)) {
       ++rejected_;
       return;

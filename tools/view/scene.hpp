@@ -22,8 +22,8 @@
 #include <tuple>
 #include <vector>
 
+#include "rt/bus/checked_decode.hpp"
 #include "rt/bus/shape_chunks.hpp"
-#include "tools/log/former_types.hpp"
 
 namespace palpate::view {
 
@@ -102,8 +102,9 @@ class Scene {
   /// All channels that accept() takes.
   static const std::vector<std::string_view>& channels();
 
-  /// Passes one message; cheap, as there may be thousands per second.
-  void accept(std::string_view channel, const void* data, int size, std::int64_t time_us);
+  /// Passes one message; cheap, as there may be thousands per second. False if its channel is none
+  /// of channels().
+  bool accept(std::string_view channel, const void* data, int size, std::int64_t time_us);
 
   /// Decodes the messages that have arrived since the last call.
   void refresh();

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 // A type must never change: recorded logs and other programs depend on it. To change NAME_t, keep
-// it as NAME_v1_t (v2, ...), convert it in tools/log/former_types.cpp, and list both here.
+// it as NAME_v1_t (v2, ...), convert it in rt/bus/checked_decode.cpp, and list both here.
 const std::map<std::string, std::uint64_t> kFingerprints = {
     {"biotac_t", 0x899d567d1460611d},
     {"component_command_t", 0xfed930ff6db67de2},

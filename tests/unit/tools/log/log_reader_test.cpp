@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <lcm/lcm-cpp.hpp>
+#include <palpate/health_v1_t.hpp>
+#include <palpate/shape_mesh_v1_t.hpp>
+#include <palpate/shape_v1_t.hpp>
 #include <stdexcept>
 
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/lab/scores/synthetic_run.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::log {
 namespace {
@@ -110,6 +114,45 @@ TEST(LogReader, BySendersClockWhatWasOvertakenIsBackInItsPlace) {
   ASSERT_EQ(sent.features.size(), 7u);
   for (int i = 0; i < 7; ++i) EXPECT_EQ(sent.features[i].seq, i + 1);
   EXPECT_EQ(received.features.back().seq, 6);
+}
+
+TEST(LogReader, ALogOfFormerTypesIsReadAsAWhole) {
+  const support::ScratchFolder scratch;
+  const std::filesystem::path path = scratch.path() / "former.log";
+  const std::vector<float> nodes = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  {
+    shape_mesh_v1_t mesh{};
+    mesh.mesh_hash = 77;
+    mesh.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
+    mesh.chunks = 1;
+    mesh.corner_count = 4;
+    mesh.rest_xyz = nodes;
+    mesh.rest_xyz_count = 12;
+    mesh.element_size = 4;
+    mesh.elements = {0, 1, 2, 3};
+    mesh.element_index_count = 4;
+    mesh.triangles = {0, 2, 1};
+    mesh.triangle_index_count = 3;
+    shape_v1_t shape{};
+    shape.mesh_hash = 77;
+    shape.node_count = 4;
+    shape.xyz = nodes;
+    shape.xyz_count = 12;
+    health_v1_t health{};
+    health.gate_refused = 9;
+    lcm::LogFile log(path.string(), "w");
+    write(log, "SHAPE_MESH", 1, mesh);
+    write(log, "SHAPE", 2, shape);
+    write(log, "HEALTH", 3, health);
+  }
+  const RunLog run = read_run(path, path);
+  const MeshMessage mesh = assemble(run.shape_chunks);
+  EXPECT_EQ(mesh.nodes.cols(), 4);
+  ASSERT_EQ(run.shapes.size(), 1u);
+  EXPECT_EQ(run.shapes[0].utime, 2) << "time of the log";
+  EXPECT_EQ(positions(run.shapes[0]), mesh.nodes);
+  ASSERT_EQ(run.health.size(), 1u);
+  EXPECT_EQ(run.health[0].gate_rejected, 9);
 }
 
 TEST(LogReader, AFileThatIsAbsentIsAnError) {

@@ -1,13 +1,11 @@
-#include "tools/log/former_types.hpp"
+#include "rt/bus/checked_decode.hpp"
 
 #include <cstring>
 #include <palpate/health_v1_t.hpp>
-#include <palpate/shape_mesh_v1_t.hpp>
-#include <palpate/shape_v1_t.hpp>
 #include <type_traits>
 #include <utility>
 
-namespace palpate::log {
+namespace palpate::bus {
 namespace {
 
 template <class Former, class Message>
@@ -59,9 +57,9 @@ void convert(shape_mesh_v1_t&& former, shape_mesh_t& message) {
 
 template <class Former, class Message>
 bool decode_either(Message& message, const void* data, int size) {
-  if (bus::checked_decode(message, data, size)) return true;
+  if (checked_decode(message, data, size)) return true;
   Former former;
-  if (!bus::checked_decode(former, data, size)) return false;
+  if (!checked_decode(former, data, size)) return false;
   convert(std::move(former), message);
   return true;
 }
@@ -78,4 +76,4 @@ bool decode(shape_mesh_t& message, const void* data, int size) {
   return decode_either<shape_mesh_v1_t>(message, data, size);
 }
 
-}  // namespace palpate::log
+}  // namespace palpate::bus
