@@ -10,7 +10,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/message_bus.hpp"
 
 namespace palpate::bus {
 namespace {

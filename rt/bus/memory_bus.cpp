@@ -2,7 +2,6 @@
 #include <thread>
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/bus/udpm_frame.hpp"
 #include "rt/loop/allocation_counter.hpp"
 
 namespace palpate::bus {

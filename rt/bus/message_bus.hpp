@@ -8,6 +8,14 @@
 
 namespace palpate::bus {
 
+inline constexpr int kLongestChannel = 63;
+/// Maximum size of name, terminating zero and payload of a message: the largest UDP payload without
+/// LCM's header of 8 bytes.
+inline constexpr int kLargestShortMessage = 65507 - 8;
+
+/// True if a message of `size` bytes fits into one datagram and the name has 1 to 63 characters.
+bool fits_one_datagram(const char* channel, int size) noexcept;
+
 /// Counters of one subscription; written by the receiver, readable by any thread.
 struct SubscriptionCounters {
   std::atomic<std::int64_t> received{0};  // accepted into the queue

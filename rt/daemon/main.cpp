@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "rt/bus/instance_lock.hpp"
-#include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/message_bus.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/plugin_watchdog.hpp"

@@ -11,8 +11,7 @@
 #include <stdexcept>
 
 #include "rt/bus/authentication.hpp"
-#include "rt/bus/udpm_frame.hpp"
-#include "rt/bus/udpm_socket.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/real_time.hpp"
@@ -35,10 +34,6 @@ constexpr std::int64_t kLongestEnd = 2'000'000'000;  // ns
 
 bool is_printable(std::string_view name) {
   return std::all_of(name.begin(), name.end(), [](char c) { return c > 32 && c < 127; });
-}
-
-void increment(std::atomic<std::int64_t>& counter) noexcept {
-  counter.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace
@@ -160,17 +155,12 @@ bool Listener::receive_one(int source) {
 
 void Listener::handle(int source, const std::uint8_t* data, int size) {
   bus::DatagramCounters& counters = groups_[static_cast<std::size_t>(source)]->counters;
-  increment(counters.received);
   bus::UdpmFrame frame{};
-  switch (bus::parse_udpm_frame(data, size, frame)) {
-    case bus::FrameKind::kMalformed:
-      return increment(counters.malformed);
-    case bus::FrameKind::kFragment:
-      return increment(counters.fragmented);
-    case bus::FrameKind::kMessage:
-      break;
+  if (!bus::parse_udpm_frame(data, size, counters, frame)) return;
+  if (!is_printable(frame.channel)) {
+    counters.malformed.fetch_add(1, std::memory_order_relaxed);
+    return;
   }
-  if (!is_printable(frame.channel)) return increment(counters.malformed);
   const std::int64_t now = loop::monotonic_ns();
   handler_({source, wall_us_ + (now - monotonic_ns_) / 1000, now, frame.channel, frame.payload,
             frame.payload_size});

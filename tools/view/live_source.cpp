@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "rt/bus/authentication.hpp"
-#include "rt/bus/udpm_frame.hpp"
 
 namespace palpate::view {
 
@@ -28,18 +27,10 @@ void LiveSource::receive(Scene& scene, int most) {
 }
 
 void LiveSource::handle(Scene& scene, const std::uint8_t* data, int size, std::int64_t time_us) {
-  ++counters_.received;
   bus::UdpmFrame frame{};
-  if (bus::parse_udpm_frame(data, size, frame) != bus::FrameKind::kMessage) {
-    ++counters_.malformed;
-    return;
-  }
-  const auto& channels = Scene::channels();
-  if (std::find(channels.begin(), channels.end(), frame.channel) == channels.end()) {
+  if (!bus::parse_udpm_frame(data, size, counters_, frame)) return;
+  if (!scene.accept(frame.channel, frame.payload, frame.payload_size, time_us))
     ++counters_.unsubscribed;
-    return;
-  }
-  scene.accept(frame.channel, frame.payload, frame.payload_size, time_us);
 }
 
 }  // namespace palpate::view

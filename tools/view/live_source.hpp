@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "rt/bus/udpm_socket.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "tools/view/scene.hpp"
 
 namespace palpate::view {

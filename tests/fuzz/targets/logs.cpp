@@ -4,7 +4,7 @@
 
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/log_ring.hpp"
-#include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/message_bus.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tools/log/log_reader.hpp"
 

@@ -6,8 +6,7 @@
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/sim_tick_t.hpp>
 
-#include "rt/bus/udpm_frame.hpp"
-#include "rt/bus/udpm_receiver.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace palpate::fuzz {
@@ -28,8 +27,9 @@ std::string message(const std::string& channel, const Message& content, const ch
 }
 
 void check_frame(const std::uint8_t* data, int size) {
+  bus::DatagramCounters counters;
   bus::UdpmFrame frame{};
-  if (bus::parse_udpm_frame(data, size, frame) != bus::FrameKind::kMessage) return;
+  if (!bus::parse_udpm_frame(data, size, counters, frame)) return;
   const auto* channel = reinterpret_cast<const std::uint8_t*>(frame.channel.data());
   require(!frame.channel.empty() && frame.channel.size() <= bus::kLongestChannel, "channel length");
   require(channel == data + bus::kUdpmHeaderSize, "channel's place");

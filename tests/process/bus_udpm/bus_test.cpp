@@ -11,8 +11,8 @@
 #include <random>
 #include <thread>
 
+#include "rt/bus/lcm_bus.hpp"
 #include "rt/bus/message_bus.hpp"
-#include "rt/bus/udpm_receiver.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tests/process/bus_udpm/injector.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "rt/bus/udpm_url.hpp"
 
 namespace palpate::support {
@@ -27,8 +27,9 @@ struct Datagram {
 
  private:
   bus::UdpmFrame frame() const {
+    bus::DatagramCounters counters;
     bus::UdpmFrame f{};
-    bus::parse_udpm_frame(data.data(), static_cast<int>(data.size()), f);
+    bus::parse_udpm_frame(data.data(), static_cast<int>(data.size()), counters, f);
     return f;
   }
 };

@@ -20,7 +20,6 @@
 
 #include "rt/bus/checked_decode.hpp"
 #include "rt/bus/session.hpp"
-#include "rt/bus/udpm_frame.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/common/interruption.hpp"
 
@@ -90,7 +89,7 @@ void FaultWire::take_waiting(Ear& ear) {
     const int size = ear.socket.receive(ear.counters);
     if (size < 0) return;
     bus::UdpmFrame frame{};
-    if (bus::parse_udpm_frame(ear.socket.data(), size, frame) != bus::FrameKind::kMessage) continue;
+    if (!bus::parse_udpm_frame(ear.socket.data(), size, ear.counters, frame)) continue;
     const auto channel =
         std::find_if(ear.channels.begin(), ear.channels.end(),
                      [&frame](const Channel& one) { return one.name == frame.channel; });

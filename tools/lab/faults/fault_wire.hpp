@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "rt/bus/udpm_socket.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "tools/lab/faults/scenario.hpp"
 #include "tools/lab/runs/live_run.hpp"
 

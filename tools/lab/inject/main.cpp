@@ -7,7 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/message_bus.hpp"
 #include "rt/config/command_line.hpp"
 #include "tools/lab/inject/packets.hpp"
 #include "tools/lab/inject/sender.hpp"

@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "rt/bus/lcm_bus.hpp"
 #include "rt/bus/message_bus.hpp"
-#include "rt/bus/udpm_receiver.hpp"
 #include "tools/lab/inject/packets.hpp"
 
 namespace palpate::inject {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "rt/bus/udpm_receiver.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "tools/lab/inject/packets.hpp"
 
 namespace palpate::inject {

@@ -3,13 +3,70 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/bus/udpm_socket.hpp"
+#include "rt/bus/udpm_url.hpp"
+
+// Reception of LCM's UDP multicast, for make_lcm_bus() and for programs that listen to channels of
+// any type.
 
 namespace palpate::bus {
+
+inline constexpr int kUdpmHeaderSize = 8;
+
+/// LCM's framing of a short message in one datagram: the magic number "LC02" and a sequence number,
+/// 32 bits each in network order, the zero-terminated channel name, and the payload.
+struct UdpmFrame {
+  std::string_view channel;  // 1 to 63 characters
+  const std::uint8_t* payload;
+  int payload_size;  // bytes
+};
+
+/// Parses untrusted data without reading beyond `size` bytes and without copying: the frame points
+/// into `data`. Counts every datagram as received, and those that are no short message as a
+/// fragment of a larger one ("LC03") or as malformed: too short, another magic number, or a name
+/// that is empty, longer than 63 characters, or not terminated. False for these; the frame is not
+/// set.
+bool parse_udpm_frame(const std::uint8_t* data, int size, DatagramCounters& counters,
+                      UdpmFrame& frame) noexcept;
+
+/// Non-blocking receiver of the datagrams of one LCM URL. No datagram can cause an allocation or an
+/// exception.
+class UdpmSocket {
+ public:
+  UdpmSocket() = default;
+  ~UdpmSocket() { close(); }
+  UdpmSocket(const UdpmSocket&) = delete;
+  UdpmSocket& operator=(const UdpmSocket&) = delete;
+
+  /// Joins the group. Throws std::runtime_error with the remedy and closes the socket on failure.
+  void open(const UdpmUrl& url);
+  void close() noexcept;
+  bool is_open() const noexcept { return descriptor_ >= 0; }
+
+  /// Reads the next datagram into data(), and counts those that the kernel dropped. Returns its
+  /// size in bytes; -1 if there is none.
+  int receive(DatagramCounters& counters) noexcept;
+  const std::uint8_t* data() const noexcept { return buffer_.data(); }
+
+  /// for poll()
+  int descriptor() const noexcept { return descriptor_; }
+  /// Size of the socket's receive buffer granted by the system, bytes, as in the URL; 0 before
+  /// open().
+  int receive_buffer_size() const noexcept { return receive_buffer_size_; }
+
+ private:
+  void join(const UdpmUrl& url);
+
+  int descriptor_ = -1;
+  int receive_buffer_size_ = 0;
+  std::uint32_t overflows_seen_ = 0;  // last value of the kernel's drop counter
+  std::vector<std::uint8_t> buffer_;
+};
 
 /// Delivers LCM datagrams from the network to subscriptions. Accepts only short messages of
 /// subscribed channels with the exact size and fingerprint; everything else is counted and dropped.

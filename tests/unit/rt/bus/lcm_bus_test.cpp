@@ -1,4 +1,4 @@
-#include "rt/bus/udpm_receiver.hpp"
+#include "rt/bus/lcm_bus.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,63 @@ namespace palpate::bus {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
+
+/// Whether `data` is a short message; counted.
+bool parse(const Bytes& data, DatagramCounters& counters, UdpmFrame& frame) {
+  return parse_udpm_frame(data.data(), static_cast<int>(data.size()), counters, frame);
+}
+
+TEST(UdpmFrame, FindsChannelAndPayload) {
+  const auto data = wire::datagram("FT_WRENCH", {1, 2, 3});
+  DatagramCounters counters;
+  UdpmFrame frame{};
+  ASSERT_TRUE(parse(data, counters, frame));
+  EXPECT_EQ(frame.channel, "FT_WRENCH");
+  ASSERT_EQ(frame.payload_size, 3);
+  EXPECT_EQ(frame.payload[0], 1);
+  EXPECT_EQ(frame.payload[2], 3);
+  EXPECT_EQ(counters.received, 1);
+}
+
+TEST(UdpmFrame, APayloadMayBeEmptyAndANameSixtyThreeLong) {
+  const auto data = wire::datagram(std::string(63, 'A'), {});
+  DatagramCounters counters;
+  UdpmFrame frame{};
+  ASSERT_TRUE(parse(data, counters, frame));
+  EXPECT_EQ(frame.channel.size(), 63u);
+  EXPECT_EQ(frame.payload_size, 0);
+}
+
+TEST(UdpmFrame, DistinguishesAFragmentFromNonsense) {
+  DatagramCounters counters;
+  UdpmFrame frame{};
+  EXPECT_FALSE(parse(wire::datagram("A", {1}, "LC03"), counters, frame));
+  EXPECT_EQ(counters.fragmented, 1);
+  const Bytes nonsense[] = {wire::datagram("A", {1}, "LC01"),
+                            wire::datagram("A", {1}, "XXXX"),
+                            wire::datagram("", {1}),
+                            wire::datagram(std::string(64, 'A'), {1}),
+                            {'L', 'C', '0', '3'}};
+  for (const Bytes& data : nonsense) EXPECT_FALSE(parse(data, counters, frame));
+  EXPECT_EQ(counters.malformed, 5);
+  EXPECT_EQ(counters.fragmented, 1);
+  EXPECT_EQ(counters.received, 6);
+}
+
+TEST(UdpmFrame, NeverSeesMoreThanThereIs) {
+  const auto whole = wire::datagram("FT_WRENCH", {1, 2, 3, 4, 5});
+  const std::size_t name_ends = 8 + 9 + 1;
+  for (std::size_t size = 0; size <= whole.size(); ++size) {
+    const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    DatagramCounters counters;
+    UdpmFrame frame{};
+    const bool is_message = parse(cut, counters, frame);
+    EXPECT_EQ(is_message, size >= name_ends) << size;
+    EXPECT_EQ(counters.malformed, size < name_ends ? 1 : 0) << size;
+    if (!is_message) continue;
+    EXPECT_EQ(frame.payload_size, static_cast<int>(size - name_ends));
+  }
+}
 
 class UdpmReceiverTest : public ::testing::Test {
  protected:

@@ -1,8 +1,8 @@
+#include "rt/bus/message_bus.hpp"
+
 #include <cstring>
 #include <stdexcept>
 
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/udpm_frame.hpp"
 #include "rt/loop/handover_ring.hpp"
 
 namespace palpate::bus {
@@ -44,6 +44,12 @@ void increment(std::atomic<std::int64_t>& counter) noexcept {
 }
 
 }  // namespace
+
+bool fits_one_datagram(const char* channel, int size) noexcept {
+  const auto name = static_cast<int>(strnlen(channel, kLongestChannel + 1));
+  if (name == 0 || name > kLongestChannel) return false;
+  return size >= 0 && size <= kLargestShortMessage - name - 1;
+}
 
 struct Subscription::Queue {
   loop::HandoverRing<Slot> ring;
