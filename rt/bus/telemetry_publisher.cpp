@@ -1,15 +1,23 @@
 #include "rt/bus/telemetry_publisher.hpp"
 
+#include <cstring>
 #include <ctime>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "rt/loop/real_time.hpp"
 
 namespace palpate::bus {
 
+TelemetryPublisher::Record TelemetryPublisher::empty_record(int largest) {
+  if (largest < 1)
+    throw std::invalid_argument("largest message must be positive, not " + std::to_string(largest));
+  return {{}, 0, std::vector<std::uint8_t>(static_cast<std::size_t>(largest))};
+}
+
 TelemetryPublisher::TelemetryPublisher(Send send, int depth, int largest)
-    : send_(std::move(send)), queue_(depth, largest) {
+    : send_(std::move(send)), largest_(largest), queue_(depth, empty_record(largest)) {
   if (sem_init(&wake_, 0, 0) != 0) throw std::runtime_error("the system has no semaphore left");
   thread_ = loop::start_helper_thread("palpate-publish", [this] { work(); });
 }
@@ -22,13 +30,21 @@ TelemetryPublisher::~TelemetryPublisher() {
 }
 
 std::uint8_t* TelemetryPublisher::buffer(int size) noexcept {
-  if (size <= queue_.largest()) return queue_.buffer();
-  too_large_.fetch_add(1, std::memory_order_relaxed);
+  if (size <= largest_) return queue_.back().data.data();
+  lose_one();
   return nullptr;
 }
 
 bool TelemetryPublisher::commit(const char* channel, int size) noexcept {
-  if (!queue_.commit(channel, size)) return false;
+  const std::size_t name = strnlen(channel, kLongestChannel + 1);
+  if (size < 0 || size > largest_ || name == 0 || name > kLongestChannel) {
+    lose_one();
+    return false;
+  }
+  Record& record = queue_.back();
+  std::memcpy(record.channel, channel, name + 1);
+  record.size = size;
+  if (queue_.publish()) lose_one();
   wake();
   return true;
 }
@@ -41,10 +57,9 @@ void TelemetryPublisher::wake() noexcept {
 
 bool TelemetryPublisher::publish_queued() noexcept {
   bool any = false;
-  while (const loop::TelemetryQueue::Record* record = queue_.take()) {
+  while (const Record* record = queue_.take()) {
     any = true;
-    if (!send_(record->channel, record->data.data(), record->size))
-      failed_.fetch_add(1, std::memory_order_relaxed);
+    if (!send_(record->channel, record->data.data(), record->size)) lose_one();
   }
   return any;
 }

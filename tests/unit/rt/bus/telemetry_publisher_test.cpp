@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
 #include <palpate/shape_t.hpp>
 
 #include "rt/loop/allocation_counter.hpp"
@@ -59,7 +60,47 @@ TEST(TelemetryPublisher, CountsWhatIsTooLarge) {
   TelemetryPublisher publisher(to(*bus), 4, 500);
   EXPECT_FALSE(hand_over(publisher, "SHAPE", wire::encoded(shape_number(1, 1000))));
   EXPECT_FALSE(hand_over(publisher, "", wire::encoded(shape_number(1, 1))));
-  EXPECT_EQ(publisher.lost(), 2);
+  EXPECT_FALSE(publisher.commit(std::string(kLongestChannel + 1, 'C').c_str(), 1));
+  EXPECT_FALSE(publisher.commit("SHAPE", 501));
+  EXPECT_FALSE(publisher.commit("SHAPE", -1));
+  EXPECT_EQ(publisher.lost(), 5);
+  EXPECT_THROW(TelemetryPublisher(to(*bus), 4, 0), std::invalid_argument);
+}
+
+TEST(TelemetryPublisher, AFullQueueDropsTheOldest) {
+  std::promise<void> first_taken, go_on;
+  std::vector<std::string> sent;  // by the publisher's thread
+  const std::string long_name(kLongestChannel, 'C');
+  {
+    TelemetryPublisher publisher(
+        [&](const char* channel, const void* data, int size) {
+          if (sent.empty()) {
+            first_taken.set_value();
+            go_on.get_future().wait();
+          }
+          sent.push_back(channel + std::string(" ") +
+                         std::string(static_cast<const char*>(data), size));
+          return true;
+        },
+        2, 10);
+    EXPECT_TRUE(hand_over(publisher, "A", {'0'}));
+    first_taken.get_future().wait();
+    for (const char text : {'1', '2', '3'}) hand_over(publisher, "A", {std::uint8_t(text)});
+    EXPECT_TRUE(hand_over(publisher, long_name.c_str(), {}));
+    EXPECT_EQ(publisher.lost(), 2);
+    go_on.set_value();
+  }
+  EXPECT_EQ(sent, (std::vector<std::string>{"A 0", "A 3", long_name + " "}));
+}
+
+TEST(TelemetryPublisher, CountsWhatTheBusRejects) {
+  std::promise<void> tried;
+  TelemetryPublisher publisher(
+      [&](const char*, const void*, int) { return tried.set_value(), false; }, 4, 10);
+  EXPECT_TRUE(hand_over(publisher, "A", {1}));
+  tried.get_future().wait();
+  while (publisher.lost() == 0) std::this_thread::yield();
+  EXPECT_EQ(publisher.lost(), 1);
 }
 
 TEST(TelemetryPublisher, TheLoopsSideDoesNotAllocate) {
