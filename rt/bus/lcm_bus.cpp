@@ -22,6 +22,7 @@ namespace {
 
 constexpr char kShortMagic[] = {'L', 'C', '0', '2'};
 constexpr char kFragmentMagic[] = {'L', 'C', '0', '3'};
+static_assert(kLargestShortMessage == 65507 - kUdpmHeaderSize);
 
 // larger than any UDP datagram, so that none is truncated
 constexpr std::size_t kBufferSize = 65536;
