@@ -55,10 +55,7 @@ class GuardedFeature final : public shape::Feature {
       defined_ = made.is_defined();
       jacobian_ = &made.jacobian();
     });
-    if (!value_.is_intact()) {
-      value_.repair();
-      feature_.fail(kOutOfBounds);
-    }
+    feature_.check(value_);
     if (feature_.why() == nullptr) check_jacobian();
     if (feature_.why() != nullptr) {
       jacobian_ = &none_;
@@ -76,10 +73,7 @@ class GuardedFeature final : public shape::Feature {
              Eigen::Ref<Eigen::VectorXd> error) const noexcept override {
     const bool ended = feature_.call(
         [&](const PluginFeature& made) { made.error(value, target, error_.vector()); });
-    if (!error_.is_intact()) {
-      error_.repair();
-      feature_.fail(kOutOfBounds);
-    }
+    feature_.check(error_);
     if (ended && feature_.why() == nullptr && error_.vector().allFinite()) {
       error = error_.vector();
       return;
@@ -180,7 +174,7 @@ class GuardedJacobianProvider final : public control::JacobianProvider {
     provider_.call([&](PluginJacobianProvider& made) {
       known = made.update(feature, model, X_OG, J_.matrix(J.rows()));
     });
-    check(J_);
+    provider_.check(J_);
     if (known && !own.allFinite())
       provider_.fail("the plug-in gives a Jacobian that is not finite");
     if (provider_.why() != nullptr || !known) return false;
@@ -193,7 +187,7 @@ class GuardedJacobianProvider final : public control::JacobianProvider {
     twist_.value = V_O_G;
     provider_.call(
         [&](PluginJacobianProvider& made) { moves = made.commands(inputs, twist_.value); });
-    check(twist_);
+    provider_.check(twist_);
     if (provider_.why() != nullptr) {
       // The pipeline treats a command that is not finite as a fault.
       V_O_G.linear.setConstant(kNan);
@@ -204,19 +198,9 @@ class GuardedJacobianProvider final : public control::JacobianProvider {
     return true;
   }
 
-  void reset() noexcept override {
-    provider_.recover();
-    provider_.call([](PluginJacobianProvider& made) { made.reset(); });
-  }
+  void reset() noexcept override { provider_.reset(); }
 
  private:
-  template <class Output>
-  void check(Output& output) noexcept {
-    if (output.is_intact()) return;
-    output.repair();
-    provider_.fail(kOutOfBounds);
-  }
-
   Plugged<PluginJacobianProvider> provider_;
   FencedNumbers J_;
   Fenced<math::Twist> twist_;
@@ -249,11 +233,7 @@ class GuardedControlLaw final : public control::ControlLaw {
     new (&own.unreachable) Eigen::Map<Eigen::VectorXd>(unreachable_.data(), unreachable_.size());
     own.remark = "";
     const bool ended = law_.call([&](PluginControlLaw& made) { made.compute(inputs, own); });
-    if (!output_.is_intact() || !unreachable_.is_intact()) {
-      output_.repair();
-      unreachable_.repair();
-      law_.fail(kOutOfBounds);
-    }
+    law_.check(output_, unreachable_);
     output.V_O_G_second = math::Twist();
     output.joint_velocity.setZero();
     output.unreachable = unreachable_.vector();
@@ -277,10 +257,7 @@ class GuardedControlLaw final : public control::ControlLaw {
     output.remark = own.remark;
   }
 
-  void reset() noexcept override {
-    law_.recover();
-    law_.call([](PluginControlLaw& made) { made.reset(); });
-  }
+  void reset() noexcept override { law_.reset(); }
 
  private:
   Plugged<PluginControlLaw> law_;

@@ -62,10 +62,7 @@ class GuardedEstimator final : public estimation::Estimator {
     UpdateResult result;
     const bool ended =
         estimator_.call([&](PluginEstimator& made) { result = made.update(inputs, model, own); });
-    if (!estimate_.is_intact()) {
-      estimate_.repair();
-      estimator_.fail(kOutOfBounds);
-    }
+    estimator_.check(estimate_);
     if (!ended || estimator_.why() != nullptr) return {Status::kFault, estimator_.why()};
     if (!is_finite(own) || !model.positions().allFinite()) return {Status::kFault, kNotFinite};
     const auto nodes = static_cast<std::size_t>(model.positions().cols());
@@ -76,10 +73,7 @@ class GuardedEstimator final : public estimation::Estimator {
     return result;
   }
 
-  void reset() noexcept override {
-    estimator_.recover();
-    estimator_.call([](PluginEstimator& made) { made.reset(); });
-  }
+  void reset() noexcept override { estimator_.reset(); }
 
  private:
   Plugged<PluginEstimator> estimator_;
@@ -136,11 +130,7 @@ class GuardedDeformationModel final : public elasticity::DeformationModel {
       sensitivity_ = made.sensitivity();
       for (int g = 0; g < 2; ++g) reaction_[g] = held_[g] ? made.reaction(g) : math::Wrench();
     });
-    if (!new_positions_.is_intact() || !new_velocities_.is_intact()) {
-      new_positions_.repair();
-      new_velocities_.repair();
-      model_.fail(kOutOfBounds);
-    }
+    model_.check(new_positions_, new_velocities_);
     if (model_.why() == nullptr) check_result();
     if (model_.why() != nullptr) {
       sensitivity_ = &none_;
@@ -155,8 +145,7 @@ class GuardedDeformationModel final : public elasticity::DeformationModel {
 
   void reset() noexcept override {
     forget();
-    model_.recover();
-    model_.call([](PluginDeformationModel& made) { made.reset(); });
+    model_.reset();
   }
 
   const Eigen::Matrix3Xd& positions() const noexcept override { return positions_; }

@@ -24,10 +24,7 @@ class GuardedSensorModel final : public sensing::SensorModel {
     UpdateResult result;
     const bool ended =
         model_.call([&](PluginSensorModel& model) { result = model.update(signals, out); });
-    if (!contacts_.is_intact()) {
-      contacts_.repair();
-      model_.fail(kOutOfBounds);
-    }
+    model_.check(contacts_);
     if (!ended || model_.why() != nullptr) return {Status::kFault, model_.why()};
     const bool sound = out.count >= others && out.count <= static_cast<int>(out.contacts.size()) &&
                        std::all_of(out.contacts.begin() + others, out.contacts.begin() + out.count,
@@ -42,10 +39,7 @@ class GuardedSensorModel final : public sensing::SensorModel {
   void zero() noexcept override {
     model_.call([](PluginSensorModel& model) { model.zero(); });
   }
-  void reset() noexcept override {
-    model_.recover();
-    model_.call([](PluginSensorModel& model) { model.reset(); });
-  }
+  void reset() noexcept override { model_.reset(); }
   sensing::SensorState save() const noexcept override {
     Fenced<sensing::SensorState> state;
     const bool ended = model_.call([&](PluginSensorModel& model) { state.value = model.save(); });
@@ -119,10 +113,7 @@ class GuardedForceTransformer final : public contact::ForceTransformer {
     own.loads.clear();
     const bool ended = transformer_.call(
         [&](PluginForceTransformer& made) { made.distribute(contact, positions, own); });
-    if (!out_->is_intact()) {
-      out_->repair();
-      transformer_.fail(kOutOfBounds);
-    }
+    transformer_.check(*out_);
     out.loads.clear();
     const bool sound =
         ended && transformer_.why() == nullptr &&

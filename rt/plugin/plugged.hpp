@@ -8,6 +8,8 @@
 
 namespace palpate::plugin {
 
+inline constexpr char kOutOfBounds[] = "the plug-in wrote past its output";
+
 /// A plug-in's component that is called through guards. After an exception, a write out of bounds
 /// or a missed deadline its state is undefined: it is not called again before recover().
 template <class Component>
@@ -50,6 +52,14 @@ class Plugged {
     within_deadline(*name_, [component = component_, call] { call(*component); });
   }
 
+  /// Fails, and repairs the guard words (fence.hpp), if an output was written out of bounds.
+  template <class... Outputs>
+  void check(Outputs&... outputs) const noexcept {
+    if ((outputs.is_intact() && ...)) return;
+    (outputs.repair(), ...);
+    fail(kOutOfBounds);
+  }
+
   /// `why`: a string literal.
   void fail(const char* why) const noexcept { why_ = why; }
   /// nullptr: sound.
@@ -57,6 +67,11 @@ class Plugged {
   /// Allows calls again, unless one has not returned.
   void recover() noexcept {
     if (!hung_) why_ = nullptr;
+  }
+  /// recover() and reset() of the component.
+  void reset() noexcept {
+    recover();
+    call([](Component& component) { component.reset(); });
   }
   const std::string& name() const noexcept { return *name_; }
 
@@ -66,7 +81,5 @@ class Plugged {
   mutable const char* why_ = nullptr;
   mutable bool hung_ = false;
 };
-
-inline constexpr char kOutOfBounds[] = "the plug-in wrote past its output";
 
 }  // namespace palpate::plugin
