@@ -76,6 +76,7 @@ std::vector<std::string> with_new_names(int argc, const char* const* argv,
 
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv,
                          const CommandLine& line) {
+  if (app.get_version_ptr() == nullptr) app.set_version_flag("--version", PALPATE_VERSION);
   add_to_footers(app, exit_code_table(line.exit_codes));
   const std::vector<std::string> words = with_new_names(argc, argv, line.renamed);
   std::vector<const char*> pointers;

@@ -43,10 +43,10 @@ struct CommandLine {
   std::vector<RenamedOption> renamed{};
 };
 
-/// Parses the arguments. Empty if the program continues; otherwise its exit code, with
-/// CLI11's message printed: 0 after --help or --version, kExitUsage after a wrong command line. The
-/// table of exit codes becomes the end of --help, of every subcommand too. What callbacks throw
-/// besides CLI::ParseError passes through.
+/// Adds --version and parses the arguments. Empty if the program continues; otherwise its exit
+/// code, with CLI11's message printed: 0 after --help or --version, kExitUsage after a wrong
+/// command line. The table of exit codes becomes the end of --help, of every subcommand too. What
+/// callbacks throw besides CLI::ParseError passes through.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv,
                          const CommandLine& line = {});
 

@@ -50,7 +50,6 @@ void run_emulate(const EmulateOptions& options) {
 
 int main(int argc, char** argv) {
   CLI::App app("Collects recordings to train tactile models on, and scores what emulates them.");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
       "  palpate-collect emulate --seed 7 --most 100 -o presses.csv");

@@ -131,7 +131,6 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI::Option* make_key =
       app.add_option("--make-key", options.new_key_file, "write a new key to this file, and end");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Examples:\n"
       "  palpate-command zero\n"

@@ -121,7 +121,6 @@ int main(int argc, char** argv) {
                "instead of all that: which channels palpated would hear and speak on with the "
                "configuration, of which type, on which URL, how often; requires --config");
   app.add_flag("--plain", options.plain, "no colours");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
   if (const auto code = palpate::config::parse(app, argc, argv,
                                                {{{0, "no check fails"},

@@ -172,7 +172,6 @@ int main(int argc, char** argv) {
   app.add_option("--speed-share", options.guard.speed_share, "of the joints' largest speeds")
       ->check(CLI::Range(0.01, 1.0));
   app.add_option("--mass", options.arm.mass, "kg, of the hand")->check(CLI::Range(0.0, 50.0));
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer("Example:\n  driver_template --key robot.key --linear-limit 0.1");
   if (const auto code = palpate::config::parse(app, argc, argv, {{{0, "ended by a signal"}}}))
     return *code;

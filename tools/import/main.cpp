@@ -46,7 +46,6 @@ int main(int argc, char** argv) {
   std::vector<std::string> columns, where;
 
   CLI::App app("Turns a CSV recording, plain or .gz, into an LCM log.");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
       "  palpate-import wrist.csv --format force_torque --channel FT_WRENCH -o wrist.log");

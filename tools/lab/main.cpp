@@ -44,7 +44,6 @@ int run(CLI::App& app, int argc, char** argv) {
   std::string root = palpate::config::data_folder().string();
   std::string json;
   app.require_subcommand(1);
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Examples:\n"
       "  palpate-evaluate demo --output out/demo\n"

@@ -12,7 +12,6 @@ int main(int argc, char** argv) {
   CLI::App app(
       "palpate-mesh makes meshes of tetrahedra for palpated: boxes, cylinders, ellipsoids and the\n"
       "inside of surfaces; it converts, checks and repairs others'. Lengths are m.");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"

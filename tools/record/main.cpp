@@ -181,7 +181,6 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--json", options.json, "write the summary to this file as well");
   app.add_flag("-q,--quiet", options.quiet, "no progress and no summary");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
 }
 

@@ -220,7 +220,6 @@ int main(int argc, char** argv) {
       ->excludes("configuration");
   app.add_option("--set", overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md\n  "
       "palpate-reference --schema rt/config/schema\n  palpate-reference --plugin "

@@ -120,7 +120,6 @@ int main(int argc, char** argv) {
                  "log of the housekeeping URL: SHAPE is compared as well")
       ->needs(compare);
   app.add_option("--json", options.json, "write the summary to this file");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
   replay::PlayCommand play;
   CLI::App* player = app.add_subcommand("play", "send logs over LCM again, as they were recorded");

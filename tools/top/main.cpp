@@ -247,7 +247,6 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.02, 60.0))
       ->capture_default_str();
   app.add_flag("--plain", options.plain, "no colours");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
   if (const auto code = palpate::config::parse(
           app, argc, argv,

@@ -127,7 +127,6 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Trains a sensor model on recordings and writes a TorchScript module with its card.");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
       "  palpate-train biotac_lstm --data recordings -o force.pt --picture curve.png");

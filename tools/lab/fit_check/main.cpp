@@ -107,7 +107,6 @@ int main(int argc, char** argv) {
       "Holds palpate-fit against what is known: recordings of the simulator, whose plant is "
       "another "
       "model on another mesh, and recordings made by the fitted models themselves.");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
       "  palpate-fit-check simulated --json results.json");

@@ -112,7 +112,6 @@ nlohmann::json send_flood(const Options& options) {
 int run(CLI::App& app, int argc, char** argv) {
   Options options;
   app.require_subcommand(1);
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
       "  palpate-inject malformed --url 'udpm://239.255.76.67:7667?ttl=0' --count 10000 --rate "

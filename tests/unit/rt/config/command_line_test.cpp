@@ -15,7 +15,6 @@ using ::testing::Not;
 class CommandLineTest : public ::testing::Test {
  protected:
   CommandLineTest() {
-    app_.set_version_flag("--version", "1.2");
     app_.add_option("-o,--output", output_, "folder");
     app_.add_option("--config", configuration_, "YAML file");
     add_deprecated_positional(app_, "configuration", configuration_, "--config");
@@ -63,7 +62,7 @@ TEST_F(CommandLineTest, EveryWrongCommandLineEndsWithTheSameCode) {
 
 TEST_F(CommandLineTest, HelpAndVersionEndWithZero) {
   EXPECT_EQ(run({"--version"}), 0);
-  EXPECT_EQ(out_, "1.2\n");
+  EXPECT_EQ(out_, PALPATE_VERSION "\n");
   EXPECT_EQ(run({"--help"}), 0);
   EXPECT_THAT(out_, HasSubstr("  program --output there\n"
                               "Exit codes: 0   done\n"
