@@ -1,14 +1,13 @@
 #pragma once
 
-#include <algorithm>
-#include <cstring>
 #include <filesystem>
-#include <iterator>
 #include <lcm/lcm-cpp.hpp>
 #include <palpate/component_event_t.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "rt/bus/text.hpp"
 
 namespace palpate::log {
 
@@ -46,12 +45,9 @@ class EventLog {
 /// The message that marks the start of trial `number`.
 inline component_event_t trial_event(int number, const std::string& name) {
   component_event_t mark{};
-  const auto put = [](auto& field, const std::string& text) {
-    std::memcpy(field, text.data(), std::min(text.size(), std::size(field) - 1));
-  };
-  put(mark.slot, "collect");
-  put(mark.event, "trial");
-  put(mark.reason, name);
+  bus::put_text(mark.slot, "collect");
+  bus::put_text(mark.event, "trial");
+  bus::put_text(mark.reason, name);
   mark.command_counter = number;
   return mark;
 }
