@@ -1,7 +1,5 @@
 #include "rt/config/mesh_file.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -9,20 +7,15 @@
 #include "rt/config/node.hpp"
 
 namespace palpate::config {
-namespace {
 
 using std::filesystem::path;
 
-std::ifstream open(const path& file) {
-  std::ifstream stream(file);
-  // neither a folder nor an endless device
-  if (!stream || !std::filesystem::is_regular_file(file)) {
+std::ifstream open_file(const path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || !std::filesystem::is_regular_file(file))
     throw std::runtime_error(file.string() + ": cannot be read");
-  }
   return stream;
 }
-
-}  // namespace
 
 mesh::MeshWithGroups read_mesh(const std::string& name, mesh::OnFault on_fault) {
   const path file(name);
@@ -30,15 +23,15 @@ mesh::MeshWithGroups read_mesh(const std::string& name, mesh::OnFault on_fault) 
   if (extension == ".node" || extension == ".ele") {
     const path node = path(file).replace_extension(".node");
     const path ele = path(file).replace_extension(".ele");
-    std::ifstream nodes = open(node), elements = open(ele);
+    std::ifstream nodes = open_file(node), elements = open_file(ele);
     return mesh::read_tetgen(nodes, node.string(), elements, ele.string(), on_fault);
   }
-  std::ifstream stream = open(file);
+  std::ifstream stream = open_file(file);
   if (extension == ".msh") return mesh::read_gmsh(stream, name, on_fault);
   if (extension == ".veg") {
     const auto include = [&file](const std::string& included) {
       std::ostringstream text;
-      text << open(file.parent_path() / included).rdbuf();
+      text << open_file(file.parent_path() / included).rdbuf();
       return text.str();
     };
     return mesh::read_vega(stream, name, include, on_fault);

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "core/mesh/mesh_reader.hpp"
 
 namespace palpate::config {
+
+/// Opens a file, which is neither a folder nor an endless device. Throws std::runtime_error.
+std::ifstream open_file(const std::filesystem::path& file);
 
 /// Reads a tetrahedral mesh; the extension selects the parser: TetGen .node or .ele (either names
 /// the pair), Gmsh .msh (2.x and 4.1, ASCII or binary), Vega .veg; palpate-mesh converts and

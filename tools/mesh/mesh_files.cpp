@@ -22,15 +22,6 @@ bool is_volume_file(const path& file) {
   return extension == ".msh" || extension == ".node" || extension == ".ele" || extension == ".veg";
 }
 
-std::ifstream open(const path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  // Neither a folder nor a device of unlimited length.
-  if (!stream || !std::filesystem::is_regular_file(file)) {
-    throw std::runtime_error(file.string() + ": cannot be read");
-  }
-  return stream;
-}
-
 }  // namespace
 
 bool is_surface_file(const path& file) {
@@ -40,7 +31,7 @@ bool is_surface_file(const path& file) {
 mesh::MeshWithGroups read_volume(const path& file, double scale) {
   mesh::MeshWithGroups result;
   if (file.extension() == ".vtu") {
-    std::ifstream stream = open(file);
+    std::ifstream stream = config::open_file(file);
     result = read_vtu(stream, file.string(), mesh::OnFault::kKeep);
   } else if (is_volume_file(file)) {
     result = config::read_mesh(file.string(), mesh::OnFault::kKeep);
@@ -55,7 +46,7 @@ mesh::MeshWithGroups read_volume(const path& file, double scale) {
 }
 
 mesh::TriangleSurface read_surface(const path& file, double scale) {
-  std::ifstream stream = open(file);
+  std::ifstream stream = config::open_file(file);
   if (!is_surface_file(file))
     throw std::runtime_error(file.string() + ": unknown kind of surface; allowed: .stl, .obj");
   mesh::TriangleSurface surface = file.extension() == ".stl"
