@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 
 #include "core/math/fnv1a.hpp"
 #include "rt/config/node.hpp"
@@ -26,17 +25,6 @@ std::vector<std::string> split(const std::string& path) {
     }
   }
   return parts;
-}
-
-std::string read_text(const std::string& path) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
-  std::string text(kLargestFile + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kLargestFile)
-    throw Error(path + ": has more than " + std::to_string(kLargestFile) + " bytes");
-  return text;
 }
 
 /// Merges `upper` over `lower`, both mappings; an empty entry removes that of `lower`. Key nodes
@@ -139,7 +127,7 @@ std::shared_ptr<Document> Document::load_chain(const std::string& path,
                                                std::vector<std::string>& chain) {
   namespace fs = std::filesystem;
   const std::string folder = fs::path(path).parent_path().string();
-  const auto document = std::make_shared<Document>(read_text(path), path, folder);
+  const auto document = std::make_shared<Document>(read_text(path, kLargestFile), path, folder);
   chain.push_back(fs::weakly_canonical(path).string());
   std::string where;
   const std::string name = document->take_base(where);

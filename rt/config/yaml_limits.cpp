@@ -4,6 +4,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <vector>
@@ -103,6 +105,17 @@ void check_limits(const std::string& text, const std::string& name, const YamlLi
     const std::string line = error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
     throw Error(name + line + ": not valid YAML: " + error.msg);
   }
+}
+
+std::string read_text(const std::string& path, std::size_t largest) {
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
+  std::string text(largest + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > largest)
+    throw Error(path + ": has more than " + std::to_string(largest) + " bytes");
+  return text;
 }
 
 }  // namespace palpate::config

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace palpate::config {
@@ -16,5 +17,8 @@ struct YamlLimits {
 /// Checks a text before it is parsed into nodes. Throws Error, with `name`, line and limit, if the
 /// text is invalid YAML or exceeds a limit.
 void check_limits(const std::string& text, const std::string& name, const YamlLimits& limits);
+
+/// Content of a file. Throws Error if it cannot be read or has more than `largest` bytes.
+std::string read_text(const std::string& path, std::size_t largest);
 
 }  // namespace palpate::config

@@ -24,18 +24,6 @@ constexpr std::size_t kLargestName = 64;
 constexpr std::size_t kLargestCard = std::size_t{1} << 20;  // bytes
 constexpr config::YamlLimits kLimits{"card", 20, 100000, false};
 
-std::string read_text(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string text(kLargestCard + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad() || (stream.gcount() == 0 && !stream.eof()))
-    throw config::Error(path + ": cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kLargestCard)
-    throw config::Error(path + ": has more than " + std::to_string(kLargestCard) + " bytes");
-  return text;
-}
-
 std::vector<Channel> read_channels(const config::Node& card, const std::string& key, int largest) {
   std::vector<Channel> channels;
   std::set<std::string> names;
@@ -88,7 +76,7 @@ std::string card_path(const std::string& module_path) {
 }
 
 ModelCard read_card(const std::string& path) {
-  const std::string text = read_text(path);
+  const std::string text = config::read_text(path, kLargestCard);
   config::check_limits(text, path, kLimits);
   const config::Node node = config::Node::from_text(text, path);
   static const std::set<std::string> kKnown = {
