@@ -1,23 +1,11 @@
 #include "core/mesh/mesh_reader.hpp"
 
-#include <charconv>
 #include <numeric>
 #include <sstream>
 
+#include "core/math/parse_number.hpp"
+
 namespace palpate::mesh {
-namespace {
-
-/// True if the whole of `text` is a number of this type, independent of the locale.
-template <typename Number>
-bool parse(const std::string& text, Number& number) {
-  const char* begin = text.data();
-  const char* end = begin + text.size();
-  if (begin != end && *begin == '+') ++begin;
-  const auto [rest, error] = std::from_chars(begin, end, number);
-  return error == std::errc() && rest == end;
-}
-
-}  // namespace
 
 void MeshWithGroups::number_from(long first) {
   node_numbers.resize(mesh.node_count());
@@ -58,13 +46,13 @@ const std::string& LineReader::word(int i) const {
 
 double LineReader::number(int i) const {
   double value = 0;
-  if (!parse(word(i), value)) fail("'" + word(i) + "' is not a number");
+  if (!math::parse_number(word(i), value)) fail("'" + word(i) + "' is not a number");
   return value;
 }
 
 long LineReader::integer(int i) const {
   long value = 0;
-  if (!parse(word(i), value)) fail("'" + word(i) + "' is not a whole number");
+  if (!math::parse_number(word(i), value)) fail("'" + word(i) + "' is not a whole number");
   return value;
 }
 

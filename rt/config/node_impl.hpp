@@ -1,10 +1,10 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 
+#include "core/math/parse_number.hpp"
 #include "rt/config/declarations.hpp"
 #include "rt/config/document.hpp"
 #include "rt/config/node.hpp"
@@ -63,16 +63,6 @@ inline std::string listed(const List& items) {
 
 /// True for an unquoted scalar (a quoted number is text).
 inline bool is_plain(const YAML::Node& node) { return node.IsScalar() && node.Tag() != "!"; }
-
-/// True if the whole of `text` is a number of this type, independent of the locale.
-template <typename Number>
-inline bool parse(const std::string& text, Number& number) {
-  const char* begin = text.data();
-  const char* end = begin + text.size();
-  if (begin != end && *begin == '+') ++begin;
-  const auto [rest, error] = std::from_chars(begin, end, number);
-  return error == std::errc() && rest == end && begin != end;
-}
 
 inline std::string shown(const YAML::Node& node) {
   if (node.IsScalar()) return "'" + node.Scalar() + "'";
@@ -157,7 +147,7 @@ struct Node::Impl {
 
   double to_number(const YAML::Node& value, const std::string& key, int at, Range range) const {
     double number = 0;
-    if (!is_plain(value) || !parse(value.Scalar(), number) || !std::isfinite(number)) {
+    if (!is_plain(value) || !math::parse_number(value.Scalar(), number) || !std::isfinite(number)) {
       fail(key, at, shown(value) + " is not a finite number" + allowed(range));
     }
     if (!(number >= range.lower && number <= range.upper)) {

@@ -49,7 +49,7 @@ int Node::integer(const Key& key, Range range) const {
   range.upper = std::min(range.upper, double{std::numeric_limits<int>::max()});
   const Impl::Entry entry = impl_->require(key.name, range_text(range));
   long number = 0;
-  if (!is_plain(entry.value) || !parse(entry.value.Scalar(), number)) {
+  if (!is_plain(entry.value) || !math::parse_number(entry.value.Scalar(), number)) {
     impl_->fail(key.name, entry.line,
                 shown(entry.value) + " is not a whole number" + allowed(range));
   }

@@ -44,7 +44,7 @@ ALLOWED = {
     "sim/scenes": "core/math core/mesh rt/loop/fixed_rate_loop.hpp rt/bus rt/config sim/draw sim/camera sim/object sim/robot sim/sensors",
     "tools/common": "core/math rt/config",
     "tools/log": "core/math core/mesh rt/bus",
-    "tools/recordings": "core/sensing rt/bus rt/config rt/inference tools/common tools/log",
+    "tools/recordings": "core/math core/sensing rt/bus rt/config rt/inference tools/common tools/log",
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
     "tools/command": "rt/bus rt/client rt/config tools/common",
     "tools/doctor": "rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log tools/record",
@@ -56,7 +56,7 @@ ALLOWED = {
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
     "tools/import": "core/math rt/config tools/common tools/log tools/recordings",
-    "tools/mesh": "core/mesh core/elasticity core/contact rt/config sim/draw tools/common",
+    "tools/mesh": "core/math core/mesh core/elasticity core/contact rt/config sim/draw tools/common",
     "tools/record": "rt/loop rt/bus rt/config tools/common",
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/plugin rt/daemon rt/pipeline sim/scenes tools/common "
                        "tools/fit tools/recordings",

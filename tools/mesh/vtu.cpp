@@ -1,3 +1,4 @@
+#include "core/math/parse_number.hpp"
 #include "core/mesh/connectivity.hpp"
 #include "tools/mesh/mesh_files.hpp"
 
@@ -6,7 +7,6 @@
 #include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -42,8 +42,7 @@ std::vector<double> parse_ascii(const std::string& text) {
   std::istringstream stream(text);
   for (std::string word; stream >> word;) {
     double number = 0;
-    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || rest != word.data() + word.size())
+    if (!math::parse_number(word, number))
       throw std::runtime_error("'" + word + "' is not a number");
     numbers.push_back(number);
   }

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
+
+#include "core/math/parse_number.hpp"
 
 namespace palpate::recordings {
 namespace {
@@ -163,11 +164,8 @@ bool CsvReader::next() {
 
 double CsvReader::number(int column) const {
   const std::string& cell = cells_[column];
-  const char* const begin = cell.data() + (!cell.empty() && cell.front() == '+' ? 1 : 0);
-  const char* const end = cell.data() + cell.size();
   double value = 0;
-  const auto [stop, code] = std::from_chars(begin, end, value);
-  if (code != std::errc() || stop != end || begin == end)
+  if (!math::parse_number(cell, value))
     fail(column, "'" + cell + "' is not a number" +
                      (cell.find(',') != std::string::npos ? "; decimals have a point" : ""));
   if (!std::isfinite(value)) fail(column, "'" + cell + "' is not finite");
