@@ -18,6 +18,7 @@
 
 #include "rt/config/installation.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/output_files.hpp"
 
 namespace palpate::common {
 namespace {
@@ -135,6 +136,22 @@ int run_to_end(const std::vector<std::string>& command, const std::filesystem::p
   }
   throw std::runtime_error(command.at(0) + " did not end within " +
                            std::to_string(static_cast<int>(timeout)) + " s");
+}
+
+std::string run_python(const std::string& program, const std::vector<std::string>& arguments) {
+  constexpr const char* kSystemPython = "/usr/bin/python3";  // has Debian's packages
+  constexpr double kPatience = 900;                          // s
+  const TemporaryFolder folder("palpate-python");
+  const std::filesystem::path said = folder.path() / "output.txt";
+  std::vector<std::string> command{
+      std::filesystem::exists(kSystemPython) ? kSystemPython : "python3", "-B", "-X", "utf8",
+      (config::data_folder() / program).string()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  if (run_to_end(command, said, kPatience) != 0)
+    throw std::runtime_error(program + ": " + tail(said, 8));
+  std::ostringstream text;
+  text << std::ifstream(said).rdbuf();
+  return text.str();
 }
 
 bool is_installed(const std::string& program) {

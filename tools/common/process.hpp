@@ -46,6 +46,11 @@ class Process {
 int run_to_end(const std::vector<std::string>& command, const std::filesystem::path& output,
                double timeout);
 
+/// Runs one of palpate's own Python programs, by its path in the source tree
+/// ("tools/common/plots.py"), and returns what it prints. Throws Interrupted, and
+/// std::runtime_error with the end of its output if it fails.
+std::string run_python(const std::string& program, const std::vector<std::string>& arguments);
+
 /// Whether a program, by its path or by its name in PATH, can be run.
 bool is_installed(const std::string& program);
 

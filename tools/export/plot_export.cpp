@@ -206,15 +206,6 @@ void shorten(std::vector<common::Curve>& curves) {
   for (common::Curve& curve : curves) curve.title = without_channel(curve.title);
 }
 
-/// gnuplot's colours without yellow, which is hardly visible on white.
-void colour(std::vector<common::Curve>& curves) {
-  constexpr int kColours[] = {1, 2, 4, 6, 7, 3, 8};
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    curves[i].colour = kColours[i % std::size(kColours)];
-    curves[i].dashed = i >= std::size(kColours);
-  }
-}
-
 common::Plot plot_of(const std::vector<Selected>& panel, const std::string& title) {
   common::Plot plot;
   plot.title = title;
@@ -231,7 +222,6 @@ common::Plot plot_of(const std::vector<Selected>& panel, const std::string& titl
     if (!unit.empty()) plot.y_label += (plot.y_label.empty() ? "" : "; ") + unit;
   if (plot.curves.empty()) throw std::runtime_error(title + ": nothing lies in these times");
   shorten(plot.curves);
-  colour(plot.curves);
   return plot;
 }
 
@@ -293,8 +283,7 @@ int export_plot(Source& source, const std::vector<std::string>& panels,
     count += static_cast<int>(plots.back().curves.size());
   }
   if (picture.has_parent_path()) std::filesystem::create_directories(picture.parent_path());
-  if (!common::draw(plots, picture))
-    throw std::runtime_error("gnuplot is not installed (apt-get install gnuplot-nox)");
+  common::draw(plots, picture);
   return count;
 }
 

@@ -26,7 +26,7 @@ FieldPath parse_field_path(const std::string& text);
 /// Plots fields over time, one panel for each of `panels`, which names one path or several
 /// separated by commas, to a .png or .svg file. If there are more points than an image can show,
 /// the minimum and maximum of each time interval are drawn. Returns the number of curves. Throws
-/// std::runtime_error: no such channel, field or index, nothing to draw, no gnuplot.
+/// std::runtime_error: no such channel, field or index, nothing to draw, no matplotlib.
 int export_plot(Source& source, const std::vector<std::string>& panels,
                 const std::filesystem::path& picture);
 

@@ -118,7 +118,7 @@ void add_csv(CLI::App& app, std::function<void()>& chosen) {
 void add_plot(CLI::App& app, std::function<void()>& chosen) {
   auto* const command = app.add_subcommand(
       "plot",
-      "Fields of any channel over time, to PNG or SVG by gnuplot; one panel for each --field:\n"
+      "Fields of any channel over time, to PNG or SVG by matplotlib; one panel for each --field:\n"
       "  CHANNEL.field            all its numbers\n"
       "  CHANNEL.field[2]         one of them, or a row of an array of two dimensions\n"
       "  CHANNEL.field[0][0:3]    a range, the end left out\n"

@@ -87,6 +87,14 @@ std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Optio
   return results;
 }
 
+std::string report_with_progress(const nlohmann::json& json, const Options& options) {
+  if (options.out.empty()) return fit::make_report(json, {}, options.details);
+  common::Progress progress(1, 1, "tables and pictures");
+  std::string text = fit::make_report(json, options.out, options.details);
+  progress.finish(true, options.out);
+  return text;
+}
+
 int run(const Options& options) {
   if (options.resume && options.out.empty())
     throw config::Error("--resume needs --output, where the checkpoint lies");
@@ -95,19 +103,12 @@ int run(const Options& options) {
   const std::vector<fit::JobResult> results = run_with_progress(plan, options);
   // With JSON, nothing else may be written to the standard output.
   std::ostream& out = options.json == "-" ? std::cerr : std::cout;
-  if (!plan.about.empty()) out << plan.about << "\n";
-  if (results.size() > 1) fit::print_summary(plan, results, out);
-  if (results.size() == 1 || options.details)
-    for (std::size_t k = 0; k < results.size(); ++k)
-      fit::print_details(plan.jobs[k], results[k], out);
-  bool is_good = fit::print_failures(plan, results, std::cerr);
-  if (results.size() == 1 || options.details)
-    for (std::size_t k = 0; k < results.size(); ++k)
-      fit::print_findings(plan.jobs[k], results[k], out);
-  if (options.check_gradients) is_good = fit::print_gradients(results, out) && is_good;
-  if (options.numeric) fit::print_comparison(results, out);
-  if (!options.json.empty()) common::write_json(fit::to_json(plan, results), options.json);
-  if (!options.out.empty()) fit::write_files(plan, results, options.out);
+  const nlohmann::json json = fit::to_json(plan, results);
+  if (!options.json.empty()) common::write_json(json, options.json);
+  if (!options.out.empty()) fit::write_materials(plan, results, options.out);
+  const bool is_good =
+      fit::print_failures(plan, results, std::cerr) && !fit::has_wrong_gradient(results);
+  out << report_with_progress(json, options);
   return is_good ? 0 : 1;
 }
 
@@ -125,7 +126,8 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   app.add_option("-o,--output", options.out,
-                 "Folder for material.yaml, samples.csv, fit.png and fits.csv, and the checkpoint");
+                 "Folder for material.yaml, samples.csv, fit.png, fits.csv and fits.json, and the "
+                 "checkpoint");
   app.add_option("--json", options.json, "File for all results as JSON; - for the standard output");
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_flag("--details", options.details,

@@ -1,19 +1,17 @@
 #include "tools/fit/report.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
+#include <cctype>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
+#include "tools/common/output_files.hpp"
+#include "tools/common/process.hpp"
 #include "tools/common/table.hpp"
 
 namespace palpate::fit {
 namespace {
-
-using common::formatted;
-using common::number;
-using common::Table;
 
 nlohmann::json errors_json(const Errors& e) {
   return {{"samples", e.count}, {"median", e.median}, {"rmse", e.rmse}, {"percent", e.percent}};
@@ -24,10 +22,11 @@ nlohmann::json uncertainty_json(const Uncertainty& u) {
   for (const Estimate& e : u.estimates) {
     nlohmann::json& one = json["parameters"][e.parameter.name];
     one = {{"unit", e.parameter.unit}, {"standing", name_of(e.standing)}, {"value", e.value}};
+    json["order"].push_back(e.parameter.name);
     if (e.standing != Standing::kEstimated) continue;
     one["deviation"] = e.deviation;
     one["interval"] = e.interval;
-    one["by"] = derivation(e);
+    one["by"] = e.is_profile ? "profile" : "curvature";
   }
   json["determined"] = nlohmann::json::array();
   for (const int i : u.determined) json["determined"].push_back(u.estimates[i].parameter.name);
@@ -46,101 +45,29 @@ nlohmann::json uncertainty_json(const Uncertainty& u) {
   return json;
 }
 
-nlohmann::json result_json(const Job& job, const JobResult& result) {
-  nlohmann::json json = {{"fit", job.name}, {"group", job.group}, {"variant", job.variant}};
-  if (!result.error.empty()) {
-    json["error"] = result.error;
-    return json;
+/// A series: its samples in the recorded order, and their errors.
+nlohmann::json series_json(const JobResult& result, std::size_t s) {
+  const Series& series = result.problem->series_at(s);
+  const SeriesFit& f = result.fit.series[s];
+  const SeriesNoise& noise = result.fit.uncertainty.noise[s];
+  nlohmann::json json = {{"recording", f.recording},
+                         {"quantity", f.quantity},
+                         {"unit", f.unit},
+                         {"abscissa", series.abscissa},
+                         {"abscissa_unit", series.abscissa_unit},
+                         {"fitted", errors_json(f.fitted)},
+                         {"held_out", errors_json(f.held_out)},
+                         {"noise", noise.deviation},
+                         {"autocorrelation_factor", noise.factor},
+                         {"independent_samples", noise.effective}};
+  nlohmann::json& samples = json["samples"];
+  for (Eigen::Index i = 0; i < series.measured.size(); ++i) {
+    samples["x"].push_back(abscissa_of(series, i));
+    samples["measured"].push_back(series.measured[i]);
+    samples["predicted"].push_back(f.predicted[i]);
+    samples["held_out"].push_back(!result.problem->is_fitted(s, i));
   }
-  json.update(uncertainty_json(result.fit.uncertainty));
-  for (std::size_t s = 0; s < result.fit.series.size(); ++s) {
-    const SeriesFit& f = result.fit.series[s];
-    const SeriesNoise& noise = result.fit.uncertainty.noise[s];
-    json["series"].push_back({{"recording", f.recording},
-                              {"quantity", f.quantity},
-                              {"unit", f.unit},
-                              {"fitted", errors_json(f.fitted)},
-                              {"held_out", errors_json(f.held_out)},
-                              {"noise", noise.deviation},
-                              {"autocorrelation_factor", noise.factor},
-                              {"independent_samples", noise.effective}});
-  }
-  if (result.effective)
-    json["corotational"] = {{"young_modulus", result.effective->young_modulus},
-                            {"young_modulus_interval", result.effective->modulus_interval},
-                            {"poisson_ratio", result.effective->poisson_ratio},
-                            {"poisson_ratio_interval", result.effective->poisson_interval},
-                            {"strain_range", result.effective->strain_range}};
-  json["model"] = result.material;
-  json["cost"] = result.fit.solution.cost;
-  json["converged"] = result.fit.solution.is_converged;
-  json["iterations"] = result.fit.solution.iterations;
-  json["seconds"] = result.fit.seconds;
-  json["evaluations"] = {{"predictions", result.fit.count.predictions},
-                         {"with_derivatives", result.fit.count.jacobians}};
   return json;
-}
-
-void print_parameters(const Uncertainty& u, std::ostream& out) {
-  Table table({"parameter", "value", "95 % interval", "by"});
-  for (const Estimate& e : u.estimates) {
-    const bool has_interval = e.standing == Standing::kEstimated;
-    table.add({e.parameter.name,
-               e.standing == Standing::kUndetermined ? "" : readable(e.value, e.parameter.unit),
-               has_interval ? interval_text(e.interval, e.parameter.unit) : "", derivation(e)});
-  }
-  table.print(out);
-}
-
-void print_open(const Uncertainty& u, std::ostream& out) {
-  for (const OpenDirection& open : u.open) {
-    out << "The data do not determine";
-    const char* separator = " ";
-    for (const auto& [name, share] : open.shares) {
-      out << separator << name;
-      if (open.shares.size() > 1) out << " (" << formatted("%+.2f", share) << ")";
-      separator = ", ";
-    }
-    out << (open.shares.size() > 1 ? ": they may change together by these shares"
-                                   : ": anything allowed fits as well")
-        << ".\n";
-  }
-}
-
-void print_correlations(const Uncertainty& u, std::ostream& out) {
-  constexpr double kWorthReporting = 0.9;
-  for (std::size_t i = 0; i < u.determined.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
-      const double r = u.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      if (std::abs(r) < kWorthReporting) continue;
-      const auto name = [&](std::size_t k) { return u.estimates[u.determined[k]].parameter.name; };
-      out << "Correlated by " << number(r, 3) << ": " << name(j) << ", " << name(i) << ".\n";
-    }
-}
-
-void print_series(const JobResult& result, std::ostream& out) {
-  Table table({"recording, quantity", "samples", "independent", "RMSE", "% of range", "held out",
-               "median |error|", "RMSE", "% of range"});
-  for (std::size_t s = 0; s < result.fit.series.size(); ++s) {
-    const SeriesFit& f = result.fit.series[s];
-    std::vector<std::string> row = {f.recording + ", " + f.quantity,
-                                    std::to_string(f.fitted.count)};
-    if (f.fitted.count > 0) {
-      row.push_back(number(result.fit.uncertainty.noise[s].effective, 0));
-      row.push_back(readable(f.fitted.rmse, f.unit));
-      row.push_back(number(f.fitted.percent, 2));
-    } else {
-      row.insert(row.end(), 3, "");
-    }
-    if (f.held_out.count > 0) {
-      row.push_back(std::to_string(f.held_out.count));
-      row.push_back(readable(f.held_out.median, f.unit));
-      row.push_back(readable(f.held_out.rmse, f.unit));
-      row.push_back(number(f.held_out.percent, 2));
-    }
-    table.add(std::move(row));
-  }
-  table.print(out);
 }
 
 /// The member's own parameters, extracted from the problem's by their names there.
@@ -157,12 +84,84 @@ Eigen::VectorXd values_of(const Member& member, const std::map<std::string, doub
   return result;
 }
 
+/// Results of the experiments in addition to their residuals (Experiment::findings).
+nlohmann::json findings_json(const JobResult& result) {
+  const Problem& problem = *result.problem;
+  const Eigen::VectorXd all = problem.values(result.fit.solution.coordinates);
+  std::map<std::string, double> values;
+  for (std::size_t p = 0; p < problem.parameters().size(); ++p)
+    values[problem.parameters()[p].name] = all[p];
+  nlohmann::json json = nlohmann::json::array();
+  for (const Member& member : problem.members())
+    for (const Finding& f : member.experiment->findings(values_of(member, values)))
+      json.push_back({{"recording", member.experiment->name()},
+                      {"what", f.what},
+                      {"unit", f.unit},
+                      {"measured", f.measured},
+                      {"predicted", f.predicted},
+                      {"allowed", f.allowed},
+                      {"is_bound", f.is_bound}});
+  return json;
+}
+
+nlohmann::json result_json(const Job& job, const JobResult& result) {
+  nlohmann::json json = {
+      {"fit", job.name}, {"title", job.title()}, {"group", job.group}, {"variant", job.variant}};
+  if (!result.error.empty()) {
+    json["error"] = result.error;
+    return json;
+  }
+  json.update(uncertainty_json(result.fit.uncertainty));
+  for (std::size_t s = 0; s < result.fit.series.size(); ++s)
+    json["series"].push_back(series_json(result, s));
+  json["findings"] = findings_json(result);
+  if (result.effective)
+    json["corotational"] = {{"young_modulus", result.effective->young_modulus},
+                            {"young_modulus_interval", result.effective->modulus_interval},
+                            {"poisson_ratio", result.effective->poisson_ratio},
+                            {"poisson_ratio_interval", result.effective->poisson_interval},
+                            {"strain_range", result.effective->strain_range}};
+  json["model"] = result.material;
+  json["cost"] = result.fit.solution.cost;
+  json["converged"] = result.fit.solution.is_converged;
+  json["iterations"] = result.fit.solution.iterations;
+  json["seconds"] = result.fit.seconds;
+  json["evaluations"] = {{"predictions", result.fit.count.predictions},
+                         {"with_derivatives", result.fit.count.jacobians}};
+  return json;
+}
+
+std::string exact(double value) { return common::formatted("%.9g", value); }
+
+std::string pair_text(const std::array<double, 2>& pair) {
+  return "[" + exact(pair[0]) + ", " + exact(pair[1]) + "]";
+}
+
+bool has_folder(const std::vector<JobResult>& results, std::size_t k) {
+  constexpr std::size_t kMostFolders = 200;
+  return results[k].error.empty() && results.size() <= kMostFolders;
+}
+
+/// Name of a fit's folder below that of the plan; none if there is one fit.
+std::string folder_of(const Plan& plan, std::size_t k) {
+  if (plan.jobs.size() == 1) return "";
+  std::string name;
+  for (const char c : plan.jobs[k].title())
+    name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' ? c : '_';
+  return name;
+}
+
+/// Whether it is a parameter of the material, not a recording's own.
+bool is_material(const Estimate& e) { return e.parameter.name.find('.') == std::string::npos; }
+
 }  // namespace
 
 nlohmann::json to_json(const Plan& plan, const std::vector<JobResult>& results) {
-  nlohmann::json json = {{"plan", plan.name}, {"about", plan.about}};
+  nlohmann::json json = {
+      {"plan", plan.name}, {"about", plan.about}, {"gradient_tolerance", kGradientTolerance}};
   for (std::size_t k = 0; k < results.size(); ++k) {
     nlohmann::json one = result_json(plan.jobs[k], results[k]);
+    if (has_folder(results, k)) one["folder"] = folder_of(plan, k);
     for (const GradientCheck& check : results[k].gradients)
       one["gradients"].push_back({{"quantity", check.quantity},
                                   {"parameter", check.parameter},
@@ -170,60 +169,12 @@ nlohmann::json to_json(const Plan& plan, const std::vector<JobResult>& results) 
     if (results[k].numeric)
       one["numeric"] = {{"seconds", results[k].numeric->seconds_numeric},
                         {"evaluations", results[k].numeric->evaluations_numeric},
+                        {"difference", results[k].numeric->difference},
                         {"analytic_seconds", results[k].numeric->seconds},
                         {"analytic_evaluations", results[k].numeric->evaluations}};
     json["fits"].push_back(std::move(one));
   }
   return json;
-}
-
-std::string readable(double value, const std::string& unit) {
-  if (unit.empty()) return formatted("%.4g", value);
-  const double size = std::abs(value);
-  // Compound units such as "m/s2" are printed without prefix: it would belong to their first letter
-  // alone.
-  const bool may_have_prefix =
-      unit == "Pa" || unit == "N" || unit == "m" || unit == "s" || unit == "Pa s";
-  if (may_have_prefix && size > 0) {
-    if (size >= 1e6) return formatted("%.4g", value / 1e6) + " M" + unit;
-    if (size >= 1e3) return formatted("%.4g", value / 1e3) + " k" + unit;
-    if (size < 0.9e-3) return formatted("%.4g", value * 1e6) + " u" + unit;
-    if (size < 0.9) return formatted("%.4g", value * 1e3) + " m" + unit;
-  }
-  return formatted("%.4g", value) + " " + unit;
-}
-
-std::string interval_text(const std::array<double, 2>& interval, const std::string& unit) {
-  return readable(interval[0], unit) + " to " + readable(interval[1], unit);
-}
-
-std::string derivation(const Estimate& estimate) {
-  if (estimate.standing != Standing::kEstimated) return name_of(estimate.standing);
-  return estimate.is_profile ? "profile" : "curvature";
-}
-
-void print_details(const Job& job, const JobResult& result, std::ostream& out) {
-  out << "\n" << job.title() << " (" << result.material << ")\n";
-  if (!result.error.empty()) {
-    out << "  " << result.error << "\n";
-    return;
-  }
-  print_parameters(result.fit.uncertainty, out);
-  print_open(result.fit.uncertainty, out);
-  print_correlations(result.fit.uncertainty, out);
-  out << "\n";
-  print_series(result, out);
-  if (result.effective) {
-    const EffectiveMaterial& e = *result.effective;
-    out << "\nCo-rotational: E " << readable(e.young_modulus, "Pa") << " ("
-        << interval_text(e.modulus_interval, "Pa") << "), nu " << number(e.poisson_ratio, 3) << " ("
-        << number(e.poisson_interval[0], 3) << " to " << number(e.poisson_interval[1], 3)
-        << "), for strains from " << number(100 * e.strain_range[0], 1) << " to "
-        << number(100 * e.strain_range[1], 1) << " %.\n";
-  }
-  out << "Evaluations: " << result.fit.count.predictions << " predictions, "
-      << result.fit.count.jacobians << " with derivatives, in " << readable(result.fit.seconds, "s")
-      << (result.fit.solution.is_converged ? "" : "; the search did NOT converge") << ".\n";
 }
 
 bool print_failures(const Plan& plan, const std::vector<JobResult>& results, std::ostream& out) {
@@ -246,71 +197,69 @@ bool print_failures(const Plan& plan, const std::vector<JobResult>& results, std
   return failed_alone == 0 && 10 * failed_of_many <= many;
 }
 
-bool print_gradients(const std::vector<JobResult>& results, std::ostream& out) {
-  std::map<std::string, GradientCheck> worst;
+bool has_wrong_gradient(const std::vector<JobResult>& results) {
   for (const JobResult& result : results)
-    for (const GradientCheck& check : result.gradients) {
-      GradientCheck& most = worst.try_emplace(check.quantity, check).first->second;
-      if (check.difference > most.difference) most = check;
-    }
-  Table table({"residual", "largest relative difference", "of"});
-  bool is_good = true;
-  for (const auto& [quantity, check] : worst) {
-    table.add({quantity, formatted("%.1e", check.difference), check.parameter});
-    is_good = is_good && check.difference <= kGradientTolerance;
-  }
-  out << "\nDerivatives against Ridders' differences, at start and result:\n";
-  table.print(out);
-  if (!is_good) out << "above " << formatted("%.0e", kGradientTolerance) << "\n";
-  return is_good;
+    for (const GradientCheck& check : result.gradients)
+      if (!(check.difference <= kGradientTolerance)) return true;
+  return false;
 }
 
-void print_comparison(const std::vector<JobResult>& results, std::ostream& out) {
-  NumericComparison sum;
-  for (const JobResult& result : results) {
-    if (!result.numeric) continue;
-    sum.seconds += result.numeric->seconds;
-    sum.seconds_numeric += result.numeric->seconds_numeric;
-    sum.evaluations += result.numeric->evaluations;
-    sum.evaluations_numeric += result.numeric->evaluations_numeric;
-    sum.difference = std::max(sum.difference, result.numeric->difference);
-  }
-  if (sum.evaluations == 0 || !(sum.seconds > 0)) return;
-  out << "\nNumeric differentiation against analytic: "
-      << formatted("%.1f", static_cast<double>(sum.evaluations_numeric) /
-                               static_cast<double>(sum.evaluations))
-      << " times the evaluations (" << sum.evaluations_numeric << " / " << sum.evaluations << "), "
-      << formatted("%.1f", sum.seconds_numeric / sum.seconds) << " times the time ("
-      << readable(sum.seconds_numeric, "s") << " / " << readable(sum.seconds, "s")
-      << "); costs differ by at most " << formatted("%.1e", sum.difference) << ".\n";
+void write_material(const Job& job, const JobResult& result, std::ostream& out) {
+  const Uncertainty& u = result.fit.uncertainty;
+  out << "# " << job.title() << ": a material as palpate-fit found it; SI units.\nmaterial:\n"
+      << "  model: " << result.material << "\n";
+  const auto is_known = [](const Estimate& e) {
+    return is_material(e) && e.standing != Standing::kUndetermined;
+  };
+  for (const Estimate& e : u.estimates)
+    if (is_known(e))
+      out << "  " << e.parameter.name << ": " << exact(e.value)
+          << (e.standing == Standing::kAtBound ? "  # at the bound of what was allowed"
+              : e.standing == Standing::kKnown ? "  # given, not fitted"
+                                               : "")
+          << "\n";
+  out << "intervals:  # 95 %\n";
+  for (const Estimate& e : u.estimates)
+    if (is_known(e) && e.standing == Standing::kEstimated)
+      out << "  " << e.parameter.name << ": " << pair_text(e.interval) << "\n";
+  out << "undetermined: [";
+  const char* separator = "";
+  for (const Estimate& e : u.estimates)
+    if (e.standing == Standing::kUndetermined) {
+      out << separator << e.parameter.name;
+      separator = ", ";
+    }
+  out << "]\n";
+  if (!result.effective) return;
+  const EffectiveMaterial& e = *result.effective;
+  out << "corotational:  # for palpated's linear model\n  young_modulus: " << exact(e.young_modulus)
+      << "\n  poisson_ratio: " << exact(e.poisson_ratio)
+      << "\n  strain_range: " << pair_text(e.strain_range)
+      << "\n  intervals: {young_modulus: " << pair_text(e.modulus_interval)
+      << ", poisson_ratio: " << pair_text(e.poisson_interval) << "}\n";
 }
 
-void print_findings(const Job& job, const JobResult& result, std::ostream& out) {
-  if (!result.error.empty()) return;
-  const Problem& problem = *result.problem;
-  const Eigen::VectorXd all = problem.values(result.fit.solution.coordinates);
-  std::map<std::string, double> values;
-  for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
-    values[problem.parameters()[p].name] = all[p];
+void write_materials(const Plan& plan, const std::vector<JobResult>& results,
+                     const std::filesystem::path& folder) {
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    if (!has_folder(results, k)) continue;
+    const std::filesystem::path own = folder / folder_of(plan, k);
+    std::filesystem::create_directories(own);
+    std::ofstream out(own / "material.yaml");
+    write_material(plan.jobs[k], results[k], out);
+    if (!out.flush()) throw std::runtime_error("cannot write " + (own / "material.yaml").string());
   }
-  common::Table table({job.title(), "quantity", "measured", "predicted", "difference", "goal", ""});
-  bool is_empty = true;
-  for (const Member& member : problem.members()) {
-    for (const Finding& f : member.experiment->findings(values_of(member, values))) {
-      const double difference = f.predicted - f.measured;
-      const bool is_met = f.is_bound ? difference < 0 : std::abs(difference) <= f.allowed;
-      table.add({member.experiment->name(), f.what, readable(f.measured, f.unit),
-                 readable(f.predicted, f.unit), readable(difference, f.unit),
-                 f.is_bound      ? "less"
-                 : f.allowed > 0 ? readable(f.allowed, f.unit)
-                                 : "",
-                 f.is_bound || f.allowed > 0 ? (is_met ? "met" : "MISSED") : ""});
-      is_empty = false;
-    }
-  }
-  if (is_empty) return;
-  out << "\n";
-  table.print(out);
+}
+
+std::string make_report(const nlohmann::json& json, const std::filesystem::path& folder,
+                        bool details) {
+  const common::TemporaryFolder temporary("palpate-fit");
+  const std::filesystem::path file = (folder.empty() ? temporary.path() : folder) / "fits.json";
+  common::write_json(json, file);
+  std::vector<std::string> arguments{file.string()};
+  if (!folder.empty()) arguments.emplace_back("--files");
+  if (details) arguments.emplace_back("--details");
+  return common::run_python("tools/fit/report_fits.py", arguments);
 }
 
 }  // namespace palpate::fit

@@ -13,7 +13,6 @@ namespace palpate::train {
 namespace {
 
 using math::kDegree;
-constexpr Eigen::Index kPlotPoints = 1500;
 
 /// Predictions minus the mean error over the first seconds of each recording.
 std::vector<Eigen::MatrixXd> tare_again(const recordings::DataSet& data,
@@ -228,14 +227,13 @@ bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, con
     const bool has_part = std::find(recording.parts.begin(), recording.parts.end(), score.part) !=
                           recording.parts.end();
     if (!has_part) continue;
-    const Eigen::Index step = 1 + recording.time.size() / kPlotPoints;
     Eigen::Index column = 0;
     for (const recordings::ColumnGroup& group : plan.data.outputs) {
       common::Plot plot{recording.name + ": " + group.name, "s", group.unit, {}};
       for (const std::string& name : group.columns) {
         common::Curve truth{name, {}, {}};
         common::Curve answer{name + " predicted", {}, {}, true};
-        for (Eigen::Index k = 0; k < recording.time.size(); k += step) {
+        for (Eigen::Index k = 0; k < recording.time.size(); ++k) {
           if (recording.parts[static_cast<std::size_t>(k)] != score.part) continue;
           truth.x.push_back(recording.time[k]);
           answer.x.push_back(recording.time[k]);
@@ -249,7 +247,7 @@ bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, con
       plots.push_back(plot);
     }
   }
-  return common::draw(plots, picture);
+  return common::try_draw(plots, picture);
 }
 
 }  // namespace palpate::train

@@ -35,7 +35,8 @@ void print_score(const recordings::Plan& plan, const recordings::DataSet& data, 
 inference::ModelCard make_card(const recordings::Plan& plan, const recordings::DataSet& data,
                                const Fit& fit, const Score& score);
 
-/// Learning curve and predictions with the ground truth. False if gnuplot is not installed.
+/// Learning curve and predictions with the ground truth. False, with the reason on standard error,
+/// if they could not be drawn.
 bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit,
               const Score& score, const std::string& picture);
 

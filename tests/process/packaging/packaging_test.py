@@ -121,8 +121,21 @@ class Prefix(unittest.TestCase):
             done = run([moved / "bin/palpate-reference"])
             self.assertEqual(done.returncode, 0, done.stderr)
             self.closed_loop(moved)
+            self.fit(moved)
         finally:
             moved.rename(self.prefix)
+
+    def fit(self, prefix):
+        """A fit, whose report and picture are made by Python programs of the installation."""
+        folder = self.installed.folder
+        (folder / "press.csv").write_text("d,F\n" + "".join(f"{d},{d ** 1.5}\n" for d in range(9)))
+        (folder / "press.yaml").write_text(
+            "name: ball\nrecordings:\n  - {kind: hertz, file: press.csv, columns: {depth: {name: d, unit: mm}, "
+            "force: {name: F}}, geometry: {radius: 5 mm}}\n")
+        done = run([prefix / "bin/palpate-fit", folder / "press.yaml", "--data", folder, "--output", folder / "fitted"])
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("young_modulus", done.stdout)
+        self.assertEqual((folder / "fitted/fit.png").read_bytes()[1:4], b"PNG", done.stdout)
 
     def closed_loop(self, prefix):
         """Simulator and daemon in lock-step, which is independent of any clock."""

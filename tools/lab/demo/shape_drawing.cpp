@@ -1,8 +1,6 @@
 #include "tools/lab/demo/shape_drawing.hpp"
 
 #include <algorithm>
-#include <iostream>
-#include <set>
 
 #include "tools/common/output_files.hpp"
 #include "tools/common/plot.hpp"
@@ -10,13 +8,6 @@
 
 namespace palpate::demo {
 namespace {
-
-void draw_or_say(const std::vector<common::Plot>& plots, const std::filesystem::path& png) {
-  static bool said = false;
-  if (common::draw(plots, png) || said) return;
-  said = true;
-  std::cerr << "gnuplot is not installed: no plots are drawn (apt-get install gnuplot-nox)\n";
-}
 
 common::Curve shape_error_curve(const scores::ScoredRun& run) {
   common::Curve curve{run.name, {}, {}, false};
@@ -70,7 +61,7 @@ void draw_sensing(const Demo& demo, const log::RunLog* pictured) {
       if (run.shape && run.mismatch == name) plot.curves.push_back(shape_error_curve(run));
     if (!plot.curves.empty()) plots.push_back(plot);
   }
-  if (!plots.empty()) draw_or_say(plots, demo.options.output / "sensing_shape_error.png");
+  if (!plots.empty()) common::try_draw(plots, demo.options.output / "sensing_shape_error.png");
   if (pictured == nullptr) return;
 
   const scores::ShapeScore score = scores::score_shape(*pictured);
@@ -105,7 +96,7 @@ void draw_control(const Demo& demo, const scores::ScoredRun& scored, const log::
                             distance_curve("estimate", feature.estimated), level("5 mm", 5, end)},
                            true};
   const std::string name = "control_" + common::file_name(target.name) + "_" + scored.mismatch;
-  draw_or_say({way, error}, demo.options.output / (name + "_plot.png"));
+  common::try_draw({way, error}, demo.options.output / (name + "_plot.png"));
   const std::int64_t start = log.targets.front().utime;
   draw_picture(demo, {&log, start, log.shapes.back().utime, &target, "Shape control, " + title},
                demo.options.output / (name + ".png"));

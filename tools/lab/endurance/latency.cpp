@@ -250,7 +250,7 @@ int run_latency(const LatencyOptions& options) {
   for (const Measured& one : all)
     std::cout << one.name << ": " << one.page_faults << " page faults and " << one.allocations
               << " allocations of the loop\n";
-  if (common::draw(plots, options.output / "latency.png"))
+  if (common::try_draw(plots, options.output / "latency.png"))
     std::cout << "distributions: " << (options.output / "latency.png").string() << "\n";
   std::cout << (good ? "the loop misses no more than cyclictest does and 0.1 %\n"
                      : "THE LOOP MISSES MORE than cyclictest does and 0.1 %\n");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -9,7 +10,7 @@
 #include <vector>
 
 #include "tools/common/output_files.hpp"
-#include "tools/common/plot.hpp"
+#include "tools/common/process.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
 #include "tools/lab/faults/campaign.hpp"
@@ -111,30 +112,6 @@ void write_faults_csv(const std::vector<RowReport>& reports, const std::filesyst
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
-/// A matrix of faults by outcome, coloured by outcome, with an intensity by the share of the seeds.
-/// False if gnuplot is not installed.
-bool draw_faults(const std::vector<RowReport>& reports, const std::filesystem::path& picture) {
-  common::ColourMatrix matrix;
-  matrix.title = "% of " + std::to_string(reports.front().seeds) +
-                 " seeds (longest time until the state changes / is back)";
-  constexpr unsigned kColours[] = {0x2e9e4f, 0xe8b923, 0x2f6fb5, 0xc8322b};
-  for (int i = 0; i < kOutcomes; ++i) {
-    matrix.columns.push_back(name(static_cast<Outcome>(i)));
-    matrix.colours.push_back(kColours[i]);
-  }
-  for (const RowReport& report : reports) {
-    std::string times = milliseconds(report.detected) + " / " + milliseconds(report.recovered);
-    matrix.rows.push_back(report.row.number + " " + report.row.fault +
-                          (report.detected < 0 ? "" : "  (" + times + " ms)") +
-                          (report.met() ? "" : "  MISSED"));
-    std::vector<double> shares;
-    for (const int count : report.outcomes)
-      shares.push_back(static_cast<double>(count) / report.seeds);
-    matrix.shares.push_back(shares);
-  }
-  return common::draw(matrix, picture);
-}
-
 }  // namespace
 
 struct FaultsCommand::Options {
@@ -190,8 +167,12 @@ std::optional<int> FaultsCommand::run(std::ostream& out) {
   if (!options.output.empty()) {
     std::filesystem::create_directories(options.output);
     write_faults_csv(reports, options.output / "faults.csv");
-    if (draw_faults(reports, options.output / "faults.png"))
-      out << "picture: " << (options.output / "faults.png").string() << '\n';
+    try {
+      out << common::run_python("tools/lab/report/draw_faults",
+                                {(options.output / "faults.csv").string()});
+    } catch (const std::runtime_error& error) {
+      std::cerr << "no picture: " << error.what() << '\n';
+    }
   }
   for (const RowReport& report : reports)
     if (!report.met()) return 1;

@@ -1,23 +1,16 @@
 """Parts of a page: tables, plots, pictures, as self-contained printable HTML. All text is escaped."""
 import base64
-import importlib.util
-import io
+import pathlib
+import sys
 
-PACKAGES = {"jinja2": "python3-jinja2", "matplotlib": "python3-matplotlib"}
-MISSING = [package for module, package in PACKAGES.items() if importlib.util.find_spec(module) is None]
-if MISSING:
-    raise SystemExit(f"missing Python package: {', '.join(MISSING)} (apt-get install {' '.join(MISSING)})")
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "common"))
+from plots import curve, draw, missing  # noqa: E402
+
+if LACKING := missing("jinja2", "matplotlib"):
+    raise SystemExit(LACKING)
 
 import jinja2  # noqa: E402
-import matplotlib  # noqa: E402
 from markupsafe import Markup  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
-
-matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "palpate", "font.size": 9})
-
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999"]
-DASHES = ["-", "--", ":"]
-FEW_POINTS = 12  # are marked individually
 
 TEMPLATES = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined,
                                loader=jinja2.DictLoader({
@@ -80,37 +73,6 @@ def picture(file, caption, width=None):
     if not file.is_file():
         return element("p", f"{caption}: no picture")
     return figure(file.read_bytes(), "png", caption, width)
-
-
-def curve(name, x, y, colour=None, dashed=False):
-    return {"name": name, "x": x, "y": y, "colour": colour, "dashed": dashed}
-
-
-def draw(panels):
-    """SVG of panels, one below the other: dictionaries with title, x, y (labels), curves, and
-    optionally logarithmic and limits (of the y axis). Curves without a colour have one after the other.
-    """
-    drawing = Figure(figsize=(11, 4.2 * len(panels)))
-    for axes, panel in zip(drawing.subplots(len(panels), squeeze=False)[:, 0], panels):
-        axes.set(title=panel["title"], xlabel=panel["x"], ylabel=panel["y"])
-        axes.grid(True, color="#ddd")
-        if panel.get("logarithmic"):
-            axes.set_yscale("log")
-            axes.yaxis.set_major_formatter("{x:g}")
-        for i, line in enumerate(panel["curves"]):
-            at = i if line["colour"] is None else line["colour"]
-            axes.plot(line["x"], line["y"], label=line["name"].lstrip("_"), color=COLOURS[at % len(COLOURS)],
-                      linestyle="--" if line["dashed"] else DASHES[at // len(COLOURS) % len(DASHES)],
-                      marker="." if len(line["x"]) <= FEW_POINTS else None)
-        if panel.get("limits"):
-            axes.set_ylim(*panel["limits"])
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8, frameon=False)
-    # Equal widths regardless of legends, so that the time axes are aligned.
-    drawing.subplots_adjust(left=0.08, right=0.66, top=1 - 0.4 / (4.2 * len(panels)),
-                            bottom=0.5 / (4.2 * len(panels)), hspace=0.35)
-    out = io.BytesIO()
-    drawing.savefig(out, format="svg", metadata={"Date": None})
-    return out.getvalue()
 
 
 def error_plot(curves):

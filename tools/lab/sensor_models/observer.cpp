@@ -333,7 +333,7 @@ class Experiment {
       else
         second.curves.push_back(curve(s.model, s.felt, s.felt.torque.colwise().norm(), false));
     }
-    common::draw({force, second}, options_.output / ("observer_" + motion + ".png"));
+    common::try_draw({force, second}, options_.output / ("observer_" + motion + ".png"));
   }
 
   ObserverOptions options_;

@@ -14,7 +14,6 @@ namespace palpate::sensor_models {
 namespace {
 
 using math::kDegree;
-constexpr Eigen::Index kPlotPoints = 1500;
 constexpr int kGroupColumns = 3;
 
 /// mm on the skin that correspond to an angle of its normal.
@@ -128,13 +127,7 @@ std::vector<std::size_t> shown_methods(const SensorComparison& comparison) {
 
 common::Curve curve(const std::string& title, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
                     bool dashed) {
-  common::Curve result{title, {}, {}, dashed};
-  const Eigen::Index step = 1 + x.size() / kPlotPoints;
-  for (Eigen::Index k = 0; k < x.size(); k += step) {
-    result.x.push_back(x[k]);
-    result.y.push_back(y[k]);
-  }
-  return result;
+  return {title, list(x), list(y), dashed};
 }
 
 /// Angles between rows, degrees.
@@ -260,7 +253,7 @@ std::vector<std::filesystem::path> draw_sensors(const std::vector<SensorComparis
     name = name.substr(0, name.rfind(".csv"));
     const std::filesystem::path picture = folder / (json_name(comparison.kind) + "-" + name + "-" +
                                                     std::to_string(pictures.size() + 1) + ".png");
-    if (!common::draw(plots_of(comparison), picture)) return {};
+    if (!common::try_draw(plots_of(comparison), picture)) return {};
     pictures.push_back(picture);
   }
   return pictures;

@@ -18,8 +18,8 @@ void write_sensors_csv(const std::vector<SensorComparison>& comparisons, std::os
 nlohmann::json to_json(const SensorComparison& comparison);
 
 /// Plots truth and predictions (or errors) over time of the first learned model and the first
-/// baseline, one image per comparison below `folder`; returns the images. None if gnuplot is not
-/// installed.
+/// baseline, one image per comparison below `folder`; returns the images. None if one could
+/// not be drawn.
 std::vector<std::filesystem::path> draw_sensors(const std::vector<SensorComparison>& comparisons,
                                                 const std::filesystem::path& folder);
 

@@ -55,7 +55,7 @@ palpate_package(sim palpate-sim misc "simulator of arm, hand, sensors and soft o
   "palpate-sim uses the same channels as a robot, so that palpated runs without"
   "a robot. Its camera renders by OSMesa.")
 palpate_package(tools palpate-tools misc "tools around palpated: fitting, training, evaluation, logs"
-  "palpate ${same}, palpate-sim ${same}"
+  "palpate ${same}, palpate-sim ${same}, python3"
   "Material parameters from recordings, sensor models, scores on the"
   "simulator's truth, replay and import of logs, injection of faults.")
 palpate_package(dev palpate-dev libdevel "headers and libraries of palpate for drivers and components"
@@ -74,7 +74,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, palpate")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_SOURCE_DIR}/debian/python/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/python/prerm")
 # Loaded together with a model, so that no program is linked to it.
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, python3-jinja2, python3-matplotlib, rt-tests, stress-ng, liblcm-bin")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "python3-jinja2, python3-matplotlib, rt-tests, stress-ng, liblcm-bin")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_SUGGESTS "palpate-tools, palpate-sim")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_SOURCE_DIR}/debian/conffiles;${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/postrm;${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm")

@@ -36,7 +36,7 @@ std::vector<LatencyOptions> suite_of_sizes(LatencyOptions common) {
   return suite;
 }
 
-bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
+void draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
   common::Plot plot;
   plot.title = "Time per step of 1 ms, motion " + letter_of(rows.front().options.motion);
   plot.x_label = "nodes";
@@ -70,7 +70,7 @@ bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
       if (!curve->x.empty()) plot.curves.push_back(*curve);
     }
   }
-  return common::draw({plot}, png);
+  common::try_draw({plot}, png);
 }
 
 }  // namespace palpate::bench

@@ -14,7 +14,6 @@ std::vector<LatencyOptions> suite_of_goals(LatencyOptions common);
 std::vector<LatencyOptions> suite_of_sizes(LatencyOptions common);
 
 /// Time per step against nodes, p50 and p99 of the model and p50 of the baselines, to a PNG or SVG.
-/// False if gnuplot is not installed.
-bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png);
+void draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png);
 
 }  // namespace palpate::bench

@@ -2,53 +2,61 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
+#include <limits>
+
+#include "tests/support/drawn_curve.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace palpate::common {
 namespace {
 
-std::string drawn(const std::string& name) {
-  Plot plot;
-  plot.title = "Time";
-  plot.x_label = "nodes";
-  plot.curves = {{"a curve's title", {1, 10, 1000}, {1, 100, 1e6}, false}};
-  plot.logarithmic = plot.logarithmic_x = true;
-  const auto picture = std::filesystem::path(testing::TempDir()) / name;
-  if (!draw({plot}, picture)) return "";
-  std::ifstream in(picture, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  EXPECT_FALSE(text.str().empty());
-  std::filesystem::remove(picture);
-  return text.str();
-}
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Plot, IsAPictureOfTheKindThatItsNameSays) {
-  const std::string png = drawn("palpate_plot_test.png"), svg = drawn("palpate_plot_test.svg");
-  if (png.empty()) GTEST_SKIP() << "gnuplot is not installed";
-  EXPECT_EQ(png.substr(1, 3), "PNG");
-  EXPECT_NE(svg.find("<svg"), std::string::npos);
-  EXPECT_NE(svg.find("a curve's title"), std::string::npos);
+class PlotTest : public testing::Test {
+ protected:
+  std::string drawn(const Curve& curve, const std::string& name, bool logarithmic = false) {
+    draw({{"Time", "nodes", "ms", {curve}, logarithmic, logarithmic}}, folder_.path() / name);
+    return support::text_of(folder_.path() / name);
+  }
+
+  support::ScratchFolder folder_;
+};
+
+TEST_F(PlotTest, IsAPictureOfTheKindThatItsNameSays) {
+  const Curve curve{"a curve's <title> costs $1 or $2", {0, 1, 2}, {3, 5, 4}};
+  EXPECT_EQ(drawn(curve, "a.png").substr(1, 3), "PNG");
+  const std::string svg = drawn(curve, "a.svg");
+  for (const char* part : {"<svg", ">a curve's &lt;title&gt; costs $1 or $2<", ">nodes<", ">ms<"})
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
 }
 
 // Points on a power law lie on a straight line, each decade as wide as the other.
-TEST(Plot, HasAxesByPowersOfTen) {
-  const std::string svg = drawn("palpate_plot_axes.svg");
-  if (svg.empty()) GTEST_SKIP() << "gnuplot is not installed";
-  const std::size_t group = svg.find("a curve's title");
-  const std::size_t path = svg.find(" d='M", group);
-  ASSERT_NE(path, std::string::npos);
-  // The first stroke is the key's.
-  std::string numbers = svg.substr(path + 5, svg.find('\'', path + 5) - path - 5);
-  numbers.erase(0, numbers.rfind('M') + 1);
-  for (char& c : numbers)
-    if (c == ',' || c == 'L') c = ' ';
+TEST_F(PlotTest, HasAxesByPowersOfTen) {
+  std::string numbers =
+      support::first_curve(drawn({"", {1, 10, 1000}, {1, 100, 1e6}}, "a.svg", true));
+  numbers = std::regex_replace(numbers, std::regex("[ML]"), " ");
   std::istringstream in(numbers);
   double x[3], y[3];
   for (int k = 0; k < 3; ++k) ASSERT_TRUE(in >> x[k] >> y[k]) << numbers;
   EXPECT_NEAR(2 * (x[1] - x[0]), x[2] - x[1], 1);
   EXPECT_NEAR(2 * (y[1] - y[0]), y[2] - y[1], 1);
+}
+
+TEST_F(PlotTest, ACurveIsInterruptedWhereItHasNoValue) {
+  const auto strokes = [this](double middle) {
+    const std::string svg = drawn({"", {0, 1, 2, 3, 4}, {1, 2, middle, 2, 1}}, "a.svg");
+    return support::strokes_of(support::first_curve(svg));
+  };
+  EXPECT_EQ(strokes(1), 1);
+  EXPECT_EQ(strokes(kNone), 2);
+}
+
+TEST_F(PlotTest, APictureThatCannotBeMadeIsAnErrorOrAMessage) {
+  const auto nowhere = folder_.path() / "no_such_folder/a.png";
+  EXPECT_THROW(draw({{"", "", "", {{"", {0}, {0}}}}}, nowhere), std::runtime_error);
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(try_draw({{"", "", "", {{"", {0}, {0}}}}}, nowhere));
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("no_such_folder"), std::string::npos);
 }
 
 }  // namespace

@@ -47,6 +47,16 @@ TEST_F(ProcessTest, ProgramThatIsAbsentIsAnError) {
   EXPECT_THROW(Process("none", {"/nonexistent/program"}, output_), std::runtime_error);
 }
 
+TEST_F(ProcessTest, AProgramInPythonThatFailsIsAnErrorWithItsReason) {
+  EXPECT_NE(run_python("tools/common/plots.py", {"--help"}).find("panel"), std::string::npos);
+  try {
+    run_python("tools/common/plots.py", {"/nonexistent/plot.json"});
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("/nonexistent/plot.json"), std::string::npos);
+  }
+}
+
 TEST_F(ProcessTest, StopIsPolite) {
   Process process("sh", {"sh", "-c", "trap 'exit 0' TERM; echo 1; while :; do sleep 0.01; done"},
                   output_);

@@ -1,9 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <fstream>
-#include <sstream>
-
+#include "tests/support/drawn_curve.hpp"
 #include "tests/unit/tools/export/small_run.hpp"
 #include "tools/export/plot_export.hpp"
 
@@ -29,10 +26,7 @@ class PlotTest : public testing::Test {
   std::string svg(const std::vector<std::string>& panels) {
     const auto file = run_.folder() / "plot.svg";
     curves_ = export_plot(source_, panels, file);
-    std::ifstream in(file);
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
+    return support::text_of(file);
   }
   std::string error(const std::string& panel) {
     try {
@@ -78,18 +72,11 @@ TEST(Plot, WhereNothingCameThereIsNoLine) {
     }
     Source source(quiet({log}));
     export_plot(source, {"FT_WRENCH.wrench[0]"}, file);
-    std::ifstream in(file);
-    std::stringstream text;
-    text << in.rdbuf();
-    // The segments of the curve start after the line of the key.
-    const std::string svg = text.str();
-    const std::size_t key = svg.find("wrench[0]</");
-    const std::size_t path = svg.find(" d='M", svg.find("<path", key));
-    const std::string line = svg.substr(path, svg.find("'/>", path) - path);
-    return std::count(line.begin(), line.end(), 'M');
+    return support::strokes_of(support::first_curve(support::text_of(file)));
   };
   EXPECT_EQ(strokes(100), strokes(0) + 1);
   EXPECT_EQ(strokes(5), strokes(0));
+  EXPECT_EQ(strokes(0), 1);
 }
 
 // A single message among 100,000 that stands out.
@@ -106,11 +93,9 @@ TEST(Plot, PeaksAreKept) {
   }
   Source source(quiet({log}));
   EXPECT_EQ(export_plot(source, {"FT_WRENCH.wrench[0]"}, file), 1);
-  std::ifstream in(file);
-  std::stringstream text;
-  text << in.rdbuf();
-  EXPECT_NE(text.str().find("1000</"), std::string::npos) << "the axis reaches up to the peak";
-  EXPECT_LT(text.str().size(), 200'000u);
+  const std::string svg = support::text_of(file);
+  EXPECT_NE(svg.find("1000</"), std::string::npos) << "the axis reaches up to the peak";
+  EXPECT_LT(svg.size(), 200'000u);
 }
 
 }  // namespace

@@ -86,6 +86,8 @@ TEST_F(ProgramTest, WritesWhatItFound) {
   EXPECT_EQ(json["fits"][0]["parameters"]["poisson_ratio"]["standing"], "known");
   EXPECT_GT(json["fits"][0]["series"][0]["held_out"]["samples"], 3);
   EXPECT_THAT(text_of(out / "samples.csv"), HasSubstr("a,force,N,depth,m,0.0015,"));
+  EXPECT_EQ(text_of(out / "fit.png").substr(1, 3), "PNG");
+  EXPECT_EQ(nlohmann::json::parse(text_of(out / "fits.json")), json);
   EXPECT_FALSE(std::filesystem::exists(out / "checkpoint.json"));  // done
 }
 
