@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
+#include <mutex>
+#include <vector>
 
 #include "rt/registry/fallbacks.hpp"
 
@@ -183,7 +186,13 @@ void ComponentSet::check_warm_up(const plugin::SetupScope& scope) {
   throw config::Error("warm-up: " + scope.failure());
 }
 
-void ComponentSet::keep_for_ever() { new ComponentSet(std::move(*this)); }  // is never deleted
+/// A thread that was abandoned may use the components until the process ends.
+void ComponentSet::keep_for_ever() {
+  static std::mutex mutex;
+  static auto* const kept = new std::vector<std::unique_ptr<ComponentSet>>();
+  const std::lock_guard<std::mutex> lock(mutex);
+  kept->push_back(std::make_unique<ComponentSet>(std::move(*this)));
+}
 
 void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
                          const std::vector<int>& successors) noexcept {
