@@ -69,12 +69,46 @@ CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& o
   update_pads();
 }
 
+void CompliantGrasp::slide(const Eigen::Vector3d& displacement_G,
+                           const Eigen::Vector3d& rate_G) noexcept {
+  slide_.end = displacement_G;
+  slide_.rate = rate_G;
+  slide_.ever = true;
+}
+
+void CompliantGrasp::begin() noexcept {
+  hand_.begin();
+  slide_.start = slide_.now;
+}
+
+void CompliantGrasp::advance(double s) noexcept {
+  hand_.advance(s);
+  slide_.now = (1 - s) * slide_.start + s * slide_.end;
+  update_pads();
+}
+
+void CompliantGrasp::end() noexcept {
+  hand_.end();
+  slide_.rate.setZero();
+  const double distance = (slide_.now - slide_.start).norm();
+  for (Pad& pad : pads_) pad.slipped += distance;
+}
+
+void CompliantGrasp::stop() noexcept {
+  hand_.stop();
+  slide_.end = slide_.now;
+  slide_.rate.setZero();
+  update_pads();
+}
+
 void CompliantGrasp::update_pads() noexcept {
   const math::Pose& X_OG = hand_.X_OG();
   const math::Twist& V_O_G = hand_.V_O_G();
   for (Pad& pad : pads_) {
     pad.p_O = X_OG * pad.p_G;
+    if (slide_.ever) pad.p_O -= X_OG.linear() * slide_.now;
     pad.velocity_O = V_O_G.linear + V_O_G.angular.cross(pad.p_O - X_OG.translation());
+    if (slide_.ever) pad.velocity_O -= X_OG.linear() * slide_.rate;
   }
 }
 
@@ -100,6 +134,7 @@ void CompliantGrasp::limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen:
   pad.slipped += (p_O - pad.p_O).norm();
   pad.p_O = p_O;
   pad.p_G = hand_.X_OG().inverse() * p_O;
+  if (slide_.ever) pad.p_G += slide_.now;
 }
 
 void CompliantGrasp::add_forces(const Eigen::Matrix3Xd& positions,

@@ -70,6 +70,8 @@ struct GraspSlip {
 /// it is held at that limit, the damper is off, and the anchor creeps after the node (return
 /// mapping of an elastic-plastic spring). A pull along n is limited to N0, where the pad loses
 /// contact.
+///
+/// slide() shifts all anchors on the hand by a script, as if the hand slid along the material.
 class CompliantGrasp {
  public:
   /// A node held by the pads.
@@ -80,7 +82,7 @@ class CompliantGrasp {
     double damping = 0;                                    // N s/m
     double grip = 0;                                       // N
     Eigen::Vector3d normal_G = Eigen::Vector3d::Zero();    // outward from the object
-    Eigen::Vector3d p_G = Eigen::Vector3d::Zero();         // the anchor point on the hand
+    Eigen::Vector3d p_G = Eigen::Vector3d::Zero();         // the anchor on the hand, before slide()
     Eigen::Vector3d p_O = Eigen::Vector3d::Zero();         // the anchor now, in O
     Eigen::Vector3d velocity_O = Eigen::Vector3d::Zero();  // and its velocity, m/s
     Eigen::Vector3d force_O = Eigen::Vector3d::Zero();     // N, on the object, without the damper
@@ -92,10 +94,21 @@ class CompliantGrasp {
   /// no surface node or a value is out of range.
   CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& options);
 
-  /// The hand's motion; the pads follow with update_pads().
+  /// The hand's motion; the pads follow with advance().
   HandMotion& hand() { return hand_; }
   const HandMotion& hand() const { return hand_; }
-  void update_pads() noexcept;
+
+  /// Displacement of the hand from where it first held the material (m) and its rate (m/s), both in
+  /// G, at the end of the next step. The same nodes stay held.
+  void slide(const Eigen::Vector3d& displacement_G, const Eigen::Vector3d& rate_G) noexcept;
+
+  /// Begins a step; advances hand and pads to the fraction `s` in (0, 1] of it; ends it.
+  void begin() noexcept;
+  void advance(double s) noexcept;
+  void end() noexcept;
+
+  /// Stops at the current pose.
+  void stop() noexcept;
 
   /// Adds the pads' forces to `forces`, except their damping by the nodes' own velocities, whose
   /// coefficients it adds to `damping` (N s/m). Determines which nodes slip.
@@ -118,6 +131,15 @@ class CompliantGrasp {
   double force_scale() const noexcept;
 
  private:
+  /// Scripted displacement of the hand along the material.
+  struct Slide {
+    Eigen::Vector3d now = Eigen::Vector3d::Zero(), start = Eigen::Vector3d::Zero(),
+                    end = Eigen::Vector3d::Zero();   // m, in G
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // m/s, in G
+    bool ever = false;
+  };
+
+  void update_pads() noexcept;
   void limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen::Vector3d& trial,
              const Eigen::Vector3d& position) noexcept;
 
@@ -125,6 +147,7 @@ class CompliantGrasp {
   double friction_ = 0;
   bool limited_ = false;
   HandMotion hand_;
+  Slide slide_;
   math::Wrench mean_wrench_;
 };
 

@@ -11,27 +11,50 @@ namespace palpate::object {
 
 /// Sample point that represents a small area of the object's surface.
 struct SurfaceSample {
+  int index = 0;  // among all samples of the surface
   int face = 0;
   Eigen::Matrix<double, 9, 1> weights;                 // of the face's nodes; they sum to one
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // current position in O, m
   double area = 0;                                     // at rest, m^2
 };
 
-/// The biquadratic surface of the object, sampled uniformly at the midpoints of small rest
-/// rectangles.
+/// Ball in which samples are visited.
+struct Ball {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // m
+  double radius = 0;                                 // m
+
+  bool meets(const Box& box) const noexcept {
+    const Eigen::Vector3d nearest = centre.cwiseMax(box.lower).cwiseMin(box.upper);
+    return (centre - nearest).squaredNorm() <= radius * radius;
+  }
+  bool within(const Eigen::Vector3d& p, double margin) const noexcept {
+    const double reach = radius + margin;
+    return (p - centre).squaredNorm() <= reach * reach;
+  }
+};
+
+/// The biquadratic surface of the object, sampled uniformly in small rest rectangles of one size
+/// per face.
 class ContactSurface {
  public:
+  /// Places of the samples: at the midpoints of the rectangles, or at the Gauss points of pairs of
+  /// them, with which a uniform pressure has exactly its consistent nodal forces.
+  enum class Rule { kMidpoints, kGauss };
+
   ContactSurface() = default;
 
-  /// Samples are at most `spacing` (m) apart at rest. Throws std::invalid_argument unless > 0.
-  ContactSurface(const HexahedralGrid& grid, double spacing);
+  /// Samples are at most `spacing` (m) apart at rest on average, at least four along each side of
+  /// an element. Throws std::invalid_argument unless > 0.
+  ContactSurface(const HexahedralGrid& grid, double spacing, Rule rule = Rule::kMidpoints);
 
-  /// Calls visit(sample) for every sample within `reach` of `centre`. Complete as long as no line
-  /// of the surface is stretched by more than kMostStretch.
-  template <class Visit>
-  void for_each_near(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& centre, double reach,
-                     const Visit& visit) const noexcept;
+  /// Calls visit(sample) for every sample in `zone`, which answers zone.meets(box), false only if
+  /// the box lies outside, and zone.within(p, margin), whether p is at most `margin` (m) away from
+  /// it. Complete as long as no line of the surface is stretched by more than kMostStretch.
+  template <class Zone, class Visit>
+  void for_each_in(const Zone& zone, const Eigen::Matrix3Xd& positions,
+                   const Visit& visit) const noexcept;
 
+  int sample_count() const { return sample_count_; }
   int face_count() const { return static_cast<int>(faces_.cols()); }
   int node(int face, int corner) const { return faces_(corner, face); }
 
@@ -48,7 +71,7 @@ class ContactSurface {
 
   /// One side of an element.
   struct Side {
-    Side(double length, double spacing);
+    Side(double length, double spacing, Rule rule);
     double apart;   // rest coordinates of the samples, m
     Lines samples;  // along it
     Lines cells;    // at the middle of each group of kCell samples
@@ -64,21 +87,22 @@ class ContactSurface {
                                const std::array<double, 3>& along_u) noexcept {
     return along_u[0] * line.col(0) + along_u[1] * line.col(1) + along_u[2] * line.col(2);
   }
-  template <class Visit>
-  void visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
-                  const Eigen::Vector3d& centre, double reach, const Visit& visit) const noexcept;
-  bool may_touch(const Corners& corners, const Eigen::Vector3d& centre,
-                 double reach) const noexcept;
+  template <class Zone, class Visit>
+  void visit_cell(const Zone& zone, const Corners& corners, int face, std::size_t cu,
+                  std::size_t cv, const Visit& visit) const noexcept;
+  /// Box that contains the face.
+  static Box bounds(const Corners& corners) noexcept;
 
   Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;
   std::vector<Side> sides_;                     // of the elements along x, then y, then z
   std::vector<std::array<int, 2>> face_sides_;  // of each face along u and v
+  std::vector<int> first_samples_;              // of each face
+  int sample_count_ = 0;
 };
 
-template <class Visit>
-void ContactSurface::visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
-                                const Eigen::Vector3d& centre, double reach,
-                                const Visit& visit) const noexcept {
+template <class Zone, class Visit>
+void ContactSurface::visit_cell(const Zone& zone, const Corners& corners, int face, std::size_t cu,
+                                std::size_t cv, const Visit& visit) const noexcept {
   const Side& side_u = sides_[face_sides_[face][0]];
   const Side& side_v = sides_[face_sides_[face][1]];
   const Lines& across_u = side_u.samples;
@@ -90,31 +114,31 @@ void ContactSurface::visit_cell(const Corners& corners, int face, std::size_t cu
     const Eigen::Matrix3d curve = line(corners, across_v[j]);
     for (std::size_t i = kCell * cu; i < kCell * (cu + 1); ++i) {
       sample.position = along(curve, across_u[i]);
-      if ((sample.position - centre).squaredNorm() > reach * reach) continue;
+      if (!zone.within(sample.position, 0)) continue;
+      sample.index = first_samples_[face] + static_cast<int>(i + across_u.size() * j);
       for (int b = 0; b < 9; ++b) sample.weights[b] = across_u[i][b % 3] * across_v[j][b / 3];
       visit(sample);
     }
   }
 }
 
-template <class Visit>
-void ContactSurface::for_each_near(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& centre,
-                                   double reach, const Visit& visit) const noexcept {
+template <class Zone, class Visit>
+void ContactSurface::for_each_in(const Zone& zone, const Eigen::Matrix3Xd& positions,
+                                 const Visit& visit) const noexcept {
   for (int f = 0; f < face_count(); ++f) {
     Corners corners;
     for (int b = 0; b < 9; ++b) corners.col(b) = positions.col(faces_(b, f));
-    if (!may_touch(corners, centre, reach)) continue;
+    if (!zone.meets(bounds(corners))) continue;
     const Side& side_u = sides_[face_sides_[f][0]];
     const Side& side_v = sides_[face_sides_[f][1]];
     const Lines& across_u = side_u.cells;
     const Lines& across_v = side_v.cells;
     const double cell_radius = 0.5 * kCell * std::hypot(side_u.apart, side_v.apart);
-    const double cell_reach = reach + kMostStretch * cell_radius;
     for (std::size_t cv = 0; cv < across_v.size(); ++cv) {
       const Eigen::Matrix3d curve = line(corners, across_v[cv]);
       for (std::size_t cu = 0; cu < across_u.size(); ++cu) {
-        if ((along(curve, across_u[cu]) - centre).squaredNorm() <= cell_reach * cell_reach)
-          visit_cell(corners, f, cu, cv, centre, reach, visit);
+        if (zone.within(along(curve, across_u[cu]), kMostStretch * cell_radius))
+          visit_cell(zone, corners, f, cu, cv, visit);
       }
     }
   }

@@ -53,32 +53,32 @@ void FingertipContact::press(const ContactSurface& surface, const Eigen::Matrix3
   touch_.area = touch_.depth = 0;
   touch_.point.setZero();
   const double ahead = kLookAhead * options_.radius;
-  surface.for_each_near(positions, centre_, options_.radius + ahead,
-                        [&](const SurfaceSample& sample) {
-                          const Eigen::Vector3d outward = sample.position - centre_;
-                          const double distance = outward.norm();
-                          const double depth = options_.radius - distance;
-                          if (depth <= -ahead) return;
-                          const double rate = options_.stiffness * sample.area;
-                          for (int b = 0; b < 9; ++b) {
-                            stiffness[surface.node(sample.face, b)] +=
-                                ContactSurface::kWeightSum * rate * std::abs(sample.weights[b]);
-                          }
-                          if (depth <= 0 || distance <= 0) return;
-                          const double size = rate * depth;
-                          const Eigen::Vector3d force = size / distance * outward;
-                          for (int b = 0; b < 9; ++b)
-                            forces.col(surface.node(sample.face, b)) += sample.weights[b] * force;
-                          if (shares_.empty() || shares_.back().face != sample.face)
-                            shares_.push_back({sample.face, Eigen::Matrix<double, 9, 1>::Zero()});
-                          shares_.back().weights += size * sample.weights;
-                          normal_ += force;
-                          pressing_ += size;
-                          stored_ += 0.5 * size * depth;
-                          touch_.point += size * sample.position;
-                          touch_.area += sample.area;
-                          touch_.depth = std::max(touch_.depth, depth);
-                        });
+  surface.for_each_in(Ball{centre_, options_.radius + ahead}, positions,
+                      [&](const SurfaceSample& sample) {
+                        const Eigen::Vector3d outward = sample.position - centre_;
+                        const double distance = outward.norm();
+                        const double depth = options_.radius - distance;
+                        if (depth <= -ahead) return;
+                        const double rate = options_.stiffness * sample.area;
+                        for (int b = 0; b < 9; ++b) {
+                          stiffness[surface.node(sample.face, b)] +=
+                              ContactSurface::kWeightSum * rate * std::abs(sample.weights[b]);
+                        }
+                        if (depth <= 0 || distance <= 0) return;
+                        const double size = rate * depth;
+                        const Eigen::Vector3d force = size / distance * outward;
+                        for (int b = 0; b < 9; ++b)
+                          forces.col(surface.node(sample.face, b)) += sample.weights[b] * force;
+                        if (shares_.empty() || shares_.back().face != sample.face)
+                          shares_.push_back({sample.face, Eigen::Matrix<double, 9, 1>::Zero()});
+                        shares_.back().weights += size * sample.weights;
+                        normal_ += force;
+                        pressing_ += size;
+                        stored_ += 0.5 * size * depth;
+                        touch_.point += size * sample.position;
+                        touch_.area += sample.area;
+                        touch_.depth = std::max(touch_.depth, depth);
+                      });
 }
 
 void FingertipContact::drag(const ContactSurface& surface, const Eigen::Matrix3Xd& velocities,

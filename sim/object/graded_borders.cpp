@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 
 namespace palpate::object {
@@ -125,6 +126,34 @@ std::vector<double> planes_of(const Box& hold, const Eigen::Vector3d& origin,
   if (flat && std::abs(lower) < kSame) planes.push_back(0);
   if (flat && std::abs(upper - size[axis]) < kSame) planes.push_back(size[axis]);
   return planes;
+}
+
+std::vector<std::string> misfits(const Box& hold, const Eigen::Vector3d& origin,
+                                 const std::array<std::vector<double>, 3>& borders, bool midnodes) {
+  std::vector<std::string> sentences;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> planes = borders[axis];
+    for (std::size_t i = 0; midnodes && i + 1 < borders[axis].size(); ++i)
+      planes.push_back(0.5 * (borders[axis][i] + borders[axis][i + 1]));
+    for (const bool upper : {false, true}) {
+      const double face = (upper ? hold.upper : hold.lower)[axis] - origin[axis];
+      if (face < kSame || face > borders[axis].back() - kSame) continue;
+      // The last plane within the box.
+      double held = upper ? 0 : borders[axis].back();
+      for (const double plane : planes) {
+        if (upper && plane < face + kSame) held = std::max(held, plane);
+        if (!upper && plane > face - kSame) held = std::min(held, plane);
+      }
+      if (std::abs(held - face) < kSame) continue;
+      std::ostringstream text;
+      text << (upper ? "ends" : "begins") << " at "
+           << "xyz"[axis] << " = " << face + origin[axis] << " m between nodes and holds "
+           << (upper ? "up to " : "from ") << held + origin[axis]
+           << " m instead: choose other elements, or grading > 1";
+      sentences.push_back(text.str());
+    }
+  }
+  return sentences;
 }
 
 }  // namespace palpate::object

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <string>
 #include <vector>
 
 #include "sim/object/hexahedral_grid.hpp"
@@ -18,5 +20,10 @@ std::vector<double> graded_borders(double length, int count, std::vector<double>
 /// of its box within the object, and the plane of a flat one; m from the origin.
 std::vector<double> planes_of(const Box& hold, const Eigen::Vector3d& origin,
                               const Eigen::Vector3d& size, int axis);
+
+/// A sentence for each face of a grasp or clamp within the object that lies on none of the element
+/// borders (m from `origin`) nor, with `midnodes`, halfway between two: how far it holds instead.
+std::vector<std::string> misfits(const Box& hold, const Eigen::Vector3d& origin,
+                                 const std::array<std::vector<double>, 3>& borders, bool midnodes);
 
 }  // namespace palpate::object

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSafety = 0.9;  // of the critical step
 constexpr double kMostRefinement =
     8;  // upper bound of substeps relative to those at rest, regardless of compression
-constexpr double kMostContact = 32;       // the same with fingertips in contact
+constexpr double kMostContact = 32;       // the same with fingertips or obstacles in contact
 constexpr double kUnloadedStrain = 1e-6;  // whose stress represents the load of an unloaded body
 constexpr double kContactStiffness = 50;  // of a fingertip, relative to E / radius
 constexpr double kShearStiffness = 0.5;   // relative to that
@@ -29,6 +29,9 @@ void check(const PlantOptions& options) {
   if (!options.gravity_O.allFinite()) throw std::invalid_argument("plant: gravity must be finite");
   if (options.grasps.size() > PlantOptions::kMostGrasps) {
     throw std::invalid_argument("plant: at most two hands hold it");
+  }
+  if (options.clamp_pads && !options.clamp) {
+    throw std::invalid_argument("plant: pads of the clamp need a clamp");
   }
 }
 
@@ -49,8 +52,12 @@ HexahedralGrid::Borders borders(const PlantOptions& options) {
 }
 
 SolidOptions solid_options(const PlantOptions& options) {
-  return {NeoHookean::from_young(options.young_modulus, options.poisson_ratio), options.viscosity,
-          options.maxwell, options.yield, options.regions};
+  return {NeoHookean::from_young(options.young_modulus, options.poisson_ratio),
+          options.viscosity,
+          options.maxwell,
+          options.yield,
+          options.regions,
+          options.stiffness_field};
 }
 
 }  // namespace
@@ -68,22 +75,35 @@ HyperelasticPlant::HyperelasticPlant(const PlantOptions& options)
       velocities_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
       applied_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
       driving_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
-      hand_sums_(6, static_cast<int>(options.grasps.size())),
       tip_sums_(6, static_cast<int>(options.fingertips.size())) {
-  if (options.clamp) {
-    clamped_ = grid_.nodes_in(*options.clamp);
-    if (clamped_.empty()) throw std::invalid_argument("plant: the clamp box holds no node");
-  }
+  add_grasps();
   Eigen::VectorXd springs = Eigen::VectorXd::Zero(grid_.node_count());
-  for (const GraspOptions& grasp : options.grasps) {
-    grasps_.emplace_back(grid_, grasp);
-    for (const auto& pad : grasps_.back().pads()) springs[pad.node] += pad.stiffness;
-  }
+  for (const CompliantGrasp& grasp : grasps_)
+    for (const auto& pad : grasp.pads()) springs[pad.node] += pad.stiffness;
   for (int n = 0; n < grid_.node_count(); ++n)
     if (springs[n] > 0) padded_.push_back(n);
   add_fingertips();
-  critical_step_ = object::critical_step(grid_, solid_, masses_, springs, clamped_);
+  critical_step_ = object::critical_step(grid_, solid_, masses_, springs, fixed_);
+  add_obstacles();
   update_forces(0, 0);
+}
+
+void HyperelasticPlant::add_grasps() {
+  for (const GraspOptions& grasp : options_.grasps) grasps_.emplace_back(grid_, grasp);
+  if (options_.clamp) {
+    clamped_ = grid_.nodes_in(*options_.clamp);
+    if (clamped_.empty()) throw std::invalid_argument("plant: the clamp box holds no node");
+    if (options_.clamp_pads) {
+      GraspOptions rig;
+      rig.patch = *options_.clamp;
+      rig.stiffness = options_.clamp_pads->stiffness;
+      rig.damping = options_.clamp_pads->damping;
+      grasps_.emplace_back(grid_, rig);
+    } else {
+      fixed_ = clamped_;
+    }
+  }
+  hand_sums_.resize(6, static_cast<int>(grasps_.size()));
 }
 
 void HyperelasticPlant::add_fingertips() {
@@ -100,9 +120,27 @@ void HyperelasticPlant::add_fingertips() {
   }
 }
 
+void HyperelasticPlant::add_obstacles() {
+  for (ObstacleOptions obstacle : options_.obstacles) {
+    if (obstacle.stiffness == 0) obstacle.stiffness = kObstacleStiffness * options_.young_modulus;
+    obstacles_.emplace_back(obstacle, grid_);
+    const Eigen::VectorXd greatest = obstacles_.back().greatest_stiffness(positions_);
+    const double added =
+        0.25 * critical_step_ * critical_step_ * greatest.cwiseQuotient(masses_).maxCoeff();
+    const double most = kMostContact * kMostContact - kMostRefinement * kMostRefinement;
+    if (added > most) {
+      throw std::invalid_argument(
+          "plant: the stiffness of an obstacle limits the step too much; "
+          "allowed: at most " +
+          std::to_string(obstacle.stiffness * most / added) + " Pa/m");
+    }
+  }
+}
+
 double HyperelasticPlant::stable_step() const noexcept {
-  double contact = 0;  // bound on the square of the highest frequency that fingertips add
-  if (!fingertips_.empty()) contact = contact_stiffness_.cwiseQuotient(masses_).maxCoeff();
+  double contact = 0;  // bound on the square of the highest frequency that contacts add
+  if (!fingertips_.empty() || !obstacles_.empty())
+    contact = contact_stiffness_.cwiseQuotient(masses_).maxCoeff();
   // The bounds are the first arguments, so that they are also the result for a NaN.
   const double material = std::min(kMostRefinement, std::sqrt(stiffening_));
   const double added = 0.25 * critical_step_ * critical_step_ * contact;
@@ -117,10 +155,12 @@ void HyperelasticPlant::update_forces(double h, double h_material) noexcept {
   stiffening_ = solid_.add_forces(positions_, velocities_, h_material, driving_);
   for (CompliantGrasp& grasp : grasps_)
     grasp.add_forces(positions_, velocities_, driving_, pad_damping_);
-  if (fingertips_.empty()) return;
+  if (fingertips_.empty() && obstacles_.empty()) return;
   contact_stiffness_.setZero();
   for (FingertipContact& tip : fingertips_)
     tip.add_forces(surface_, positions_, velocities_, h, driving_, contact_stiffness_);
+  for (ObstacleContact& obstacle : obstacles_)
+    obstacle.add_forces(positions_, velocities_, h, driving_, contact_stiffness_);
 }
 
 void HyperelasticPlant::begin_substep(double h) noexcept {
@@ -128,7 +168,7 @@ void HyperelasticPlant::begin_substep(double h) noexcept {
   velocities_.array() +=
       0.5 * h *
       (inverse_masses_.array() * driving_.array() - options_.mass_damping * velocities_.array());
-  for (const int n : clamped_) velocities_.col(n).setZero();
+  for (const int n : fixed_) velocities_.col(n).setZero();
   positions_ += h * velocities_;
 }
 
@@ -139,7 +179,7 @@ void HyperelasticPlant::end_substep(double h, double h_material) noexcept {
       keep * (velocities_.array() + 0.5 * h * inverse_masses_.array() * driving_.array());
   for (const int n : padded_)
     velocities_.col(n) /= 1 + keep * 0.5 * h * pad_damping_[n] / masses_[n];
-  for (const int n : clamped_) velocities_.col(n).setZero();
+  for (const int n : fixed_) velocities_.col(n).setZero();
 }
 
 void HyperelasticPlant::add_wrenches(double weight) noexcept {
@@ -147,6 +187,7 @@ void HyperelasticPlant::add_wrenches(double weight) noexcept {
     hand_sums_.col(i) += weight * grasps_[i].wrench(positions_, velocities_).vector();
   for (std::size_t i = 0; i < fingertips_.size(); ++i)
     tip_sums_.col(i) += weight * fingertips_[i].wrench().vector();
+  for (ObstacleContact& obstacle : obstacles_) obstacle.add_to_mean(weight);
 }
 
 void HyperelasticPlant::step(double dt) noexcept {
@@ -156,7 +197,8 @@ void HyperelasticPlant::step(double dt) noexcept {
   };
   hand_sums_.setZero();
   tip_sums_.setZero();
-  for (CompliantGrasp& grasp : grasps_) grasp.hand().begin();
+  for (ObstacleContact& obstacle : obstacles_) obstacle.begin_mean();
+  for (CompliantGrasp& grasp : grasps_) grasp.begin();
   for (FingertipContact& tip : fingertips_) tip.begin();
   substeps_ = 0;
   int left = substeps_for(dt);
@@ -167,10 +209,7 @@ void HyperelasticPlant::step(double dt) noexcept {
     begin_substep(h);
     --left;
     const double s = 1 - left * h / dt;
-    for (CompliantGrasp& grasp : grasps_) {
-      grasp.hand().advance(s);
-      grasp.update_pads();
-    }
+    for (CompliantGrasp& grasp : grasps_) grasp.advance(s);
     for (FingertipContact& tip : fingertips_) tip.advance(s);
     end_substep(h, h);
     last = h;
@@ -184,7 +223,7 @@ void HyperelasticPlant::step(double dt) noexcept {
   }
   add_wrenches(0.5 * last / dt);
   for (std::size_t i = 0; i < grasps_.size(); ++i) {
-    grasps_[i].hand().end();
+    grasps_[i].end();
     grasps_[i].set_mean_wrench(math::Wrench::from(hand_sums_.col(i)));
   }
   for (std::size_t i = 0; i < fingertips_.size(); ++i) {
@@ -194,7 +233,7 @@ void HyperelasticPlant::step(double dt) noexcept {
 }
 
 void HyperelasticPlant::step(double dt, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept {
-  if (!grasps_.empty()) move_hand(0, X_OG, V_O_G);
+  if (grasp_count() > 0) move_hand(0, X_OG, V_O_G);
   step(dt);
 }
 
@@ -216,12 +255,13 @@ double HyperelasticPlant::load_scale() const noexcept {
   for (int n = 0; n < grid_.node_count(); ++n) scale += applied_.col(n).norm();
   for (const CompliantGrasp& grasp : grasps_) scale += grasp.force_scale();
   for (const FingertipContact& tip : fingertips_) scale += tip.touch().force.norm();
+  for (const ObstacleContact& obstacle : obstacles_) scale += obstacle.touch().wrench.force.norm();
   return scale;
 }
 
 double HyperelasticPlant::free_force() const noexcept {
   double squared = driving_.squaredNorm();
-  for (const int n : clamped_) squared -= driving_.col(n).squaredNorm();
+  for (const int n : fixed_) squared -= driving_.col(n).squaredNorm();
   return std::sqrt(std::max(0.0, squared));
 }
 
@@ -235,10 +275,7 @@ HyperelasticPlant::Settling HyperelasticPlant::settle(double max_seconds,
     result.residual = free_force() / load_scale();
     result.converged = result.residual <= tolerance;
   };
-  for (CompliantGrasp& grasp : grasps_) {
-    grasp.hand().stop();
-    grasp.update_pads();
-  }
+  for (CompliantGrasp& grasp : grasps_) grasp.stop();
   for (FingertipContact& tip : fingertips_) tip.stop();
   stop();
   double energy = 0;
@@ -258,12 +295,17 @@ HyperelasticPlant::Settling HyperelasticPlant::settle(double max_seconds,
   for (CompliantGrasp& grasp : grasps_)
     grasp.set_mean_wrench(grasp.wrench(positions_, velocities_));
   for (FingertipContact& tip : fingertips_) tip.set_mean_wrench(tip.wrench());
+  for (ObstacleContact& obstacle : obstacles_) {
+    obstacle.begin_mean();
+    obstacle.add_to_mean(1);
+  }
   return result;
 }
 
 math::Wrench HyperelasticPlant::clamp_wrench() const noexcept {
+  if (options_.clamp_pads) return grasps_.back().wrench(positions_, velocities_);
   math::Wrench total;
-  for (const int n : clamped_) {
+  for (const int n : fixed_) {
     total.force -= driving_.col(n);
     total.torque -= positions_.col(n).cross(driving_.col(n));
   }
@@ -283,6 +325,18 @@ void HyperelasticPlant::clear_forces() noexcept {
   applied_.setZero();
 }
 
+std::vector<std::string> HyperelasticPlant::remarks() const {
+  std::vector<std::string> remarks;
+  // Pads hold whole faces of elements, a clamp without pads all nodes.
+  const auto add = [&](const Box& hold, const std::string& name, bool midnodes) {
+    for (const std::string& remark : misfits(hold, options_.origin, grid_.borders(), midnodes))
+      remarks.push_back(name + " " + remark);
+  };
+  if (options_.clamp) add(*options_.clamp, "the clamp", !options_.clamp_pads);
+  for (const GraspOptions& grasp : options_.grasps) add(grasp.patch, "a grasp", false);
+  return remarks;
+}
+
 void HyperelasticPlant::set_state(const Eigen::Matrix3Xd& positions,
                                   const Eigen::Matrix3Xd& velocities) {
   if (positions.cols() != grid_.node_count() || velocities.cols() != grid_.node_count()) {
@@ -290,7 +344,7 @@ void HyperelasticPlant::set_state(const Eigen::Matrix3Xd& positions,
   }
   positions_ = positions;
   velocities_ = velocities;
-  for (const int n : clamped_) velocities_.col(n).setZero();
+  for (const int n : fixed_) velocities_.col(n).setZero();
   update_forces(0, 0);
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/math/rigid.hpp"
@@ -11,9 +12,16 @@
 #include "sim/object/fingertip_contact.hpp"
 #include "sim/object/hexahedral_grid.hpp"
 #include "sim/object/neo_hookean_solid.hpp"
+#include "sim/object/obstacle_contact.hpp"
 #include "sim/object/plant.hpp"
 
 namespace palpate::object {
+
+/// Springs and dampers between the clamp and the clamped surface, spread over its area.
+struct ClampPads {
+  double stiffness = 1e4;  // N/m, together, in each direction
+  double damping = 2;      // N s/m, together
+};
 
 /// Material and boundary conditions of the plant. SI units; O is the rest frame of the object.
 struct PlantOptions {
@@ -29,9 +37,12 @@ struct PlantOptions {
   std::vector<MaxwellBranch> maxwell;        // creep and relaxation
   std::optional<Yield> yield;                // for an object that does not recover its shape
   std::vector<ModulusRegion> regions;        // parts of a different stiffness
+  StiffnessFieldOptions stiffness_field;     // random variation of the modulus
   std::optional<Box> clamp;                  // nodes fixed by the test rig; O, at rest
+  std::optional<ClampPads> clamp_pads;       // between clamp and object; none: the nodes are fixed
   std::vector<GraspOptions> grasps;          // hands, at most kMostGrasps
   std::vector<FingertipOptions> fingertips;  // that may touch the object
+  std::vector<ObstacleOptions> obstacles;    // that it may touch; they are everywhere at rest
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
   int substeps = 0;                                     // per step(); 0: from the stability limit
 
@@ -67,6 +78,11 @@ class HyperelasticPlant final : public Plant {
   /// Pose and velocity of a hand in O at the end of the next step. `hand` < grasp_count().
   void move_hand(int hand, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept override;
 
+  void slide_hand(int hand, const Eigen::Vector3d& displacement_G,
+                  const Eigen::Vector3d& rate_G) noexcept override {
+    grasps_[hand].slide(displacement_G, rate_G);
+  }
+
   /// Centre and velocity of a fingertip in O at the end of the next step; the first call places it
   /// there immediately. Tips are absent until moved.
   void move_fingertip(int tip, const Eigen::Vector3d& centre,
@@ -97,10 +113,15 @@ class HyperelasticPlant final : public Plant {
   /// Pads and slip of a hand. `hand` < grasp_count().
   const CompliantGrasp& grasp(int hand = 0) const { return grasps_[hand]; }
   double slipping_share(int hand) const override { return grasps_[hand].slip().share; }
-  int grasp_count() const override { return static_cast<int>(grasps_.size()); }
+  int grasp_count() const override { return static_cast<int>(options_.grasps.size()); }
 
   /// Wrench of the test rig on the object about the origin of O, in O, at the end of the last step.
   math::Wrench clamp_wrench() const noexcept;
+
+  /// Ground truth of the contact with an obstacle, with the wrench on the object about the origin
+  /// of O, now and averaged over the last step.
+  int obstacle_count() const { return static_cast<int>(obstacles_.size()); }
+  const ObstacleContact& obstacle(int index) const { return obstacles_[index]; }
 
   /// Adds a force (N, in O) at a material point, applied until clear_forces().
   void add_force(const MaterialPoint& point, const Eigen::Vector3d& force_O) noexcept;
@@ -122,6 +143,7 @@ class HyperelasticPlant final : public Plant {
   const Eigen::Matrix3Xi& surface_triangles() const override { return grid_.triangles(); }
   const Eigen::VectorXd& nodal_masses() const { return masses_; }  // kg
   const std::vector<int>& clamped_nodes() const override { return clamped_; }
+  std::vector<std::string> remarks() const override;
 
   /// Element and weights of a rest point, for repeated use.
   MaterialPoint locate(const Eigen::Vector3d& rest_point) const { return grid_.locate(rest_point); }
@@ -135,7 +157,7 @@ class HyperelasticPlant final : public Plant {
   double elastic_energy() const noexcept { return solid_.energy(positions_); }  // J
   double greatest_plastic_strain() const { return solid_.greatest_plastic_strain(); }
 
-  /// Longest stable step at rest, held and grasped as constructed, s.
+  /// Longest stable step at rest, held and grasped as constructed, without contact, s.
   double critical_step() const { return critical_step_; }
   int substeps() const override { return substeps_; }  // taken by the last step
 
@@ -146,7 +168,9 @@ class HyperelasticPlant final : public Plant {
                    double h_material) noexcept;  // forces there, second half-step velocity update
   void update_forces(double h, double h_material) noexcept;
   void add_wrenches(double weight) noexcept;
+  void add_grasps();
   void add_fingertips();
+  void add_obstacles();
   double stable_step() const noexcept;
   double load_scale() const noexcept;
   double free_force() const noexcept;
@@ -155,16 +179,17 @@ class HyperelasticPlant final : public Plant {
   HexahedralGrid grid_;
   NeoHookeanSolid solid_;
   ContactSurface surface_;
-  std::vector<CompliantGrasp> grasps_;
+  std::vector<CompliantGrasp> grasps_;  // of the hands, then of a clamp with pads
   std::vector<FingertipContact> fingertips_;
+  std::vector<ObstacleContact> obstacles_;
   std::vector<int> clamped_;
+  std::vector<int> fixed_;   // clamped without pads
   std::vector<int> padded_;  // nodes that pads may hold, without repetition
   Eigen::VectorXd masses_;
-  Eigen::Matrix3Xd inverse_masses_;  // 1/kg, by coordinate
-  Eigen::Matrix3Xd weight_;          // N
-  Eigen::VectorXd pad_damping_;      // N s/m per node
-  Eigen::VectorXd
-      contact_stiffness_;  // N/m per node, bound on the stiffness added by the fingertips
+  Eigen::Matrix3Xd inverse_masses_;    // 1/kg, by coordinate
+  Eigen::Matrix3Xd weight_;            // N
+  Eigen::VectorXd pad_damping_;        // N s/m per node
+  Eigen::VectorXd contact_stiffness_;  // N/m per node, bound on that of fingertips and obstacles
   Eigen::Matrix3Xd positions_;
   Eigen::Matrix3Xd velocities_;
   Eigen::Matrix3Xd applied_;  // N, external forces on nodes

@@ -101,6 +101,7 @@ NeoHookeanSolid::NeoHookeanSolid(const HexahedralGrid& grid, const SolidOptions&
   if (options.yield) yield_ = J2Yield(material_, *options.yield, grid.element_count());
   for (int e = 0; e < grid.element_count(); e += kTogether) packs_.emplace_back(grid, e);
   for (const ModulusRegion& region : options.regions) set_modulus(grid, region);
+  vary_modulus(grid, options.field);
 }
 
 template <class Change>
@@ -115,9 +116,10 @@ bool NeoHookeanSolid::change_stiffness(const HexahedralGrid& grid, const Box& bo
     const Eigen::Vector3d lower = grid.nodes().col(grid.elements()(0, e));
     for (int point = 0; point < kGaussPoints; ++point) {
       const Eigen::Array3d at = HexahedronPack::point(point);
-      if (!box.contains(lower + (at * grid.element_size(e).array()).matrix())) continue;
+      const Eigen::Vector3d p = lower + (at * grid.element_size(e).array()).matrix();
+      if (!box.contains(p)) continue;
       Pack4d& stiffness = stiffness_[e / kTogether][point];
-      stiffness[e % kTogether] = change(stiffness[e % kTogether]);
+      stiffness[e % kTogether] = change(stiffness[e % kTogether], p);
       found = true;
     }
   }
@@ -129,12 +131,23 @@ void NeoHookeanSolid::set_modulus(const HexahedralGrid& grid, const ModulusRegio
     throw std::invalid_argument("plant: the young_modulus of a region must be positive");
   }
   const double relative = region.young_modulus / material_.young_modulus();
-  if (!change_stiffness(grid, region.box, [relative](double) { return relative; }))
+  if (!change_stiffness(grid, region.box, [relative](double, const auto&) { return relative; }))
     throw std::invalid_argument("plant: a region of the material holds no point");
 }
 
+void NeoHookeanSolid::vary_modulus(const HexahedralGrid& grid,
+                                   const StiffnessFieldOptions& options) {
+  const StiffnessField field(options);
+  if (options.deviation == 0) return;
+  const Box everywhere{grid.nodes().rowwise().minCoeff(), grid.nodes().rowwise().maxCoeff()};
+  change_stiffness(grid, everywhere, [&field](double stiffness, const Eigen::Vector3d& p) {
+    return stiffness * field.factor(p);
+  });
+}
+
 void NeoHookeanSolid::cut(const HexahedralGrid& grid, const Box& box) {
-  if (!change_stiffness(grid, box, [](double stiffness) { return stiffness * kCutModulus; }))
+  if (!change_stiffness(grid, box,
+                        [](double stiffness, const auto&) { return stiffness * kCutModulus; }))
     throw std::invalid_argument("plant: a cut goes through no point of the material");
 }
 

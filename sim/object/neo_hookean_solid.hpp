@@ -11,6 +11,7 @@
 #include "sim/object/j2_yield.hpp"
 #include "sim/object/maxwell_branches.hpp"
 #include "sim/object/neo_hookean.hpp"
+#include "sim/object/stiffness_field.hpp"
 
 namespace palpate::object {
 
@@ -27,6 +28,7 @@ struct SolidOptions {
   std::vector<MaxwellBranch> maxwell = {};
   std::optional<Yield> yield = std::nullopt;
   std::vector<ModulusRegion> regions = {};
+  StiffnessFieldOptions field = {};  // multiplies the modulus, also in the regions
 };
 
 /// Stored energy and nodal forces of a compressible Neo-Hookean solid on a hexahedral grid.
@@ -38,8 +40,8 @@ struct SolidOptions {
 /// ones. 3 x 3 x 3 Gauss points; the elements are processed four at a time.
 ///
 /// Optional: second Piola-Kirchhoff stress eta dC/dt (Kelvin-Voigt), zero in any rigid motion;
-/// Maxwell branches; yield, which makes F the elastic part only; a modulus by region, used by the
-/// Gauss points within it, which scales everything but eta.
+/// Maxwell branches; yield, which makes F the elastic part only; a modulus by region or
+/// from a random field, used by the Gauss points, which scales everything but eta.
 class NeoHookeanSolid {
  public:
   /// Volume ratio below which log J is continued linearly.
@@ -74,7 +76,9 @@ class NeoHookeanSolid {
   void add_viscous_stress(const ElementGradients& F, const ElementGradients& F_rate,
                           ElementGradients& P) const noexcept;
   void set_modulus(const HexahedralGrid& grid, const ModulusRegion& region);
-  /// change(relative stiffness) of each point within the box at rest; false if there is none.
+  void vary_modulus(const HexahedralGrid& grid, const StiffnessFieldOptions& options);
+  /// change(relative stiffness, rest position) of each point within the box at rest; false if there
+  /// is none.
   template <class Change>
   bool change_stiffness(const HexahedralGrid& grid, const Box& box, Change change);
 

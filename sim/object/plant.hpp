@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "core/math/rigid.hpp"
@@ -38,6 +39,10 @@ class Plant {
   /// Pose and velocity of a hand at the end of the next step.
   virtual void move_hand(int /*hand*/, const math::Pose& /*X_OG*/,
                          const math::Twist& /*V_O_G*/) noexcept {}
+  /// Scripted slip: displacement of a hand along the material from where it first held it (m) and
+  /// its rate (m/s), in its G, at the end of the next step.
+  virtual void slide_hand(int /*hand*/, const Eigen::Vector3d& /*displacement_G*/,
+                          const Eigen::Vector3d& /*rate_G*/) noexcept {}
   /// Wrench of the hand on the object about the origin of its G, mean over the last step.
   virtual math::Wrench hand_wrench(int /*hand*/) const { return {}; }
   /// Fraction of the pads' area that slips.
@@ -48,6 +53,9 @@ class Plant {
   virtual const Eigen::MatrixXi& elements() const = 0;            // nodes by column: 27 or 4
   virtual const Eigen::Matrix3Xi& surface_triangles() const = 0;  // outward
   virtual const std::vector<int>& clamped_nodes() const = 0;
+
+  /// What the object does differently from its options, for the log.
+  virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 }  // namespace palpate::object

@@ -111,6 +111,7 @@ int run(const Options& options) {
                simulation.object().positions().cols(),
                simulation.scene().motion ? "moves by itself" : "obeys commands");
   for (const std::string& remark : simulation.robot().remarks()) spdlog::warn("{}", remark);
+  for (const std::string& remark : simulation.object().remarks()) spdlog::warn("{}", remark);
   spdlog::info("DART's arm: {}", simulation.robot().effective_options());
   if (const auto* soft = dynamic_cast<const palpate::scenes::SoftBoxPlant*>(&simulation.object())) {
     spdlog::info("DART's soft body: {}", soft->effective_options());

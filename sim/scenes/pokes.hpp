@@ -8,8 +8,9 @@
 
 namespace palpate::scenes {
 
-/// An external force on one point of the object that no sensor of the robot measures. It rises and
-/// falls along half a cosine, so that it excites no vibration.
+/// An external force on one point of the object that no sensor of the robot measures, e.g. the
+/// weight of a mass that hangs there (without its inertia). It rises and falls along half a cosine,
+/// so that it excites no vibration.
 struct Poke {
   static constexpr double kRamp = 0.1;  // s, or half the duration if that is shorter
 
@@ -22,9 +23,11 @@ struct Poke {
   double share(double time) const;
 };
 
-/// The key `pokes` of a scene: a list of {at, duration, point, force}. Throws config::Error, also
-/// if a point lies outside the object of this size (m, from the origin of O).
-std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& size);
+/// The key `pokes` of a scene: a list of {at, duration, point, force} or {at, duration, point,
+/// mass}, which hangs in this gravity (m/s^2, in O). Throws config::Error, also if a point lies
+/// outside the object of this size (m, from the origin of O).
+std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& size,
+                             const Eigen::Vector3d& gravity_O);
 
 /// Applies the pokes to the plant, whose applied forces come only from here.
 class Pokes {

@@ -11,6 +11,7 @@
 #include "sim/robot/dart_soft_body.hpp"
 #include "sim/scenes/arm.hpp"
 #include "sim/scenes/pokes.hpp"
+#include "sim/scenes/slips.hpp"
 
 namespace palpate::scenes {
 
@@ -50,6 +51,7 @@ struct Scene : ArmScene {
   object::PlantOptions plant;  // except the hands' rest poses and gravity, which the arms determine
   bool object_gravity = true;
   std::vector<Poke> pokes;
+  std::vector<Slip> slips;
 
   std::optional<ArmScene> second_arm;
   std::optional<camera::ShapeCameraOptions> camera;  // empty: no SHAPE_OBSERVATION

@@ -71,6 +71,7 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       arms_(make_arms(node, scene_, control, origin)),
       plant_(make_plant(node, scene_, arms_)),
       pokes_(scene_.pokes),
+      slips_(scene_.slips),
       camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, arms_,
                                                                 origin.session, origin.start_utime)
                             : nullptr),
@@ -118,6 +119,7 @@ void Simulation::advance() {
   for (Arm& arm : arms_) arm.step(tick_, time(), kPeriod, *plant_);
   ++tick_;
   pokes_.apply(time(), *plant_);
+  slips_.apply(time(), *plant_);
   cut();
   for (const Arm& arm : arms_) arm.lead(*plant_);
   plant_->step(kPeriod);

@@ -12,6 +12,7 @@
 #include "sim/scenes/marker_publisher.hpp"
 #include "sim/scenes/pokes.hpp"
 #include "sim/scenes/scene.hpp"
+#include "sim/scenes/slips.hpp"
 #include "sim/scenes/truth_publisher.hpp"
 
 namespace palpate::scenes {
@@ -93,6 +94,7 @@ class Simulation {
   std::vector<Arm> arms_;
   std::unique_ptr<object::Plant> plant_;
   Pokes pokes_;
+  Slips slips_;
   std::unique_ptr<CameraPublisher> camera_;
   std::unique_ptr<MarkerPublisher> markers_;
   TruthPublisher truth_;

@@ -148,5 +148,94 @@ TEST(CompliantGrasp, RefusesNonsense) {
   refuses([](PlantOptions& o) { o.grasps.resize(3, o.grasps[0]); });
 }
 
+/// A bar without lateral strain, clamped at x = 0 and held at its other end.
+PlantOptions held_bar() {
+  PlantOptions options;
+  options.size = {0.3, 0.04, 0.04};
+  options.elements = {6, 1, 1};
+  options.poisson_ratio = 0;
+  options.mass_damping = 20;
+  options.clamp = face_x(0);
+  options.grasps = {
+      hold(face_x(0.3), math::make_pose(Eigen::Matrix3d::Identity(), {0.3, 0.02, 0.02}))};
+  return options;
+}
+
+TEST(CompliantGrasp, SlideShortensTheBarByItsLength) {
+  const PlantOptions options = held_bar();
+  HyperelasticPlant plant(options);
+  constexpr double kSlide = 3e-4;
+  for (int i = 1; i <= 100; ++i) {
+    plant.slide_hand(0, {kSlide * i / 100, 0, 0}, {kSlide / 0.1, 0, 0});
+    plant.step(1e-3);
+  }
+  EXPECT_TRUE(plant.settle(20, 1e-6).converged);
+  plant.step(1e-3);
+  EXPECT_NEAR(plant.grasp().slip().distance, kSlide, 1e-12);
+  EXPECT_EQ(plant.grasp().slip().share, 0);  // no sensor of the hand reports it
+  // Bar and pads in series; the hand, which slid outwards along the bar, stands still.
+  const double bar = 0.3 / (options.young_modulus * 0.04 * 0.04);
+  const double force = kSlide / (bar + 1 / options.grasps[0].stiffness);
+  EXPECT_NEAR(plant.hand_wrench().force.x(), -force, 3e-3 * force);
+}
+
+TEST(CompliantGrasp, AfterASlideTheGraspIsThatOfAHandThatBeganThere) {
+  const Eigen::Vector3d slide(4e-3, 1e-3, -2e-3);
+  const math::Pose X_start =
+      math::make_pose(math::exp_rotation({0.1, 0.3, -0.2}), {0.3, 0.02, 0.02});
+  const math::Pose X_end = math::make_pose(math::exp_rotation({0.3, 0.2, 0}), {0.29, 0.03, 0.05});
+  PlantOptions options = held_bar();
+  const auto go_to_the_end = [&](HyperelasticPlant& plant) {
+    plant.move_hand(0, X_end, {});
+    plant.step(0.2);
+    EXPECT_TRUE(plant.settle(20, 1e-7).converged);
+    plant.step(1e-3);
+  };
+  options.grasps[0].X_OG_rest = X_start;
+  HyperelasticPlant slid(options);
+  slid.slide_hand(0, slide, Eigen::Vector3d::Zero());
+  go_to_the_end(slid);
+  options.grasps[0].X_OG_rest.translation() += X_start.linear() * slide;
+  HyperelasticPlant fresh(options);
+  go_to_the_end(fresh);
+  const math::Wrench a = slid.hand_wrench(), b = fresh.hand_wrench();
+  EXPECT_GT(b.force.norm(), 0.1);
+  EXPECT_LT((a.force - b.force).norm(), 1e-4 * b.force.norm());
+  EXPECT_LT((a.torque - b.torque).norm(), 1e-4 * b.torque.norm());
+  EXPECT_LT((slid.positions() - fresh.positions()).colwise().norm().maxCoeff(), 1e-6);
+}
+
+TEST(ClampPads, YieldByForceOverStiffness) {
+  PlantOptions options = held_bar();
+  options.grasps.clear();
+  options.clamp_pads = ClampPads{250, 1};
+  HyperelasticPlant plant(options);
+  PlantOptions rigid = options;
+  rigid.clamp_pads.reset();
+  EXPECT_EQ(plant.clamped_nodes(), HyperelasticPlant(rigid).clamped_nodes());
+  EXPECT_FALSE(plant.grasped());
+  const Eigen::Vector3d force(0.02, 0, 0);  // N, uniform over the free end
+  const HexahedralGrid grid = even_grid(options.origin, options.size, options.elements);
+  const Eigen::VectorXd end = grid.patch_areas(face_x(0.3)) / (0.04 * 0.04);
+  for (int n = 0; n < end.size(); ++n)
+    if (end[n] > 0) plant.add_force(plant.locate(grid.nodes().col(n)), end[n] * force);
+  EXPECT_TRUE(plant.settle(30, 1e-6).converged);
+  const Eigen::VectorXd near = grid.patch_areas(face_x(0)) / (0.04 * 0.04);
+  EXPECT_NEAR(plant.positions().row(0).dot(near), force.x() / 250, 1e-3 * force.x() / 250);
+  EXPECT_LT((plant.clamp_wrench().force + force).norm(), 1e-3 * force.norm());
+  EXPECT_NEAR(plant.clamp_wrench().torque.z(), 0.02 * force.x(), 1e-3 * 0.02 * force.x());
+}
+
+TEST(ClampPads, NeedAClampAndPositiveStiffness) {
+  PlantOptions options = held_bar();
+  options.clamp_pads = ClampPads{0, 1};
+  EXPECT_THROW(HyperelasticPlant{options}, std::invalid_argument);
+  options.clamp_pads = ClampPads{100, -1};
+  EXPECT_THROW(HyperelasticPlant{options}, std::invalid_argument);
+  options.clamp_pads = ClampPads{100, 1};
+  options.clamp.reset();
+  EXPECT_THROW(HyperelasticPlant{options}, std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace palpate::object

@@ -67,5 +67,31 @@ TEST(GradedBorders, HoldsBeginAtTheirFacesWithinTheBodyAndAtFlatOnes) {
   ASSERT_EQ(planes_of(grasp, origin, size, 2).size(), 1u);
 }
 
+TEST(GradedBorders, ReportsHoldsThatEndBetweenNodes) {
+  const Eigen::Vector3d origin(1, 0, 0), size(0.5, 0.06, 0.06);
+  const Box clamp{origin, origin + Eigen::Vector3d(0.02, 0.06, 0.06)};
+  const auto borders = [&](double grading) {
+    std::array<std::vector<double>, 3> all;
+    for (int axis = 0; axis < 3; ++axis) {
+      all[axis] = graded_borders(size[axis], axis == 0 ? 10 : 2,
+                                 planes_of(clamp, origin, size, axis), grading);
+    }
+    return all;
+  };
+  EXPECT_TRUE(misfits(clamp, origin, borders(1.3), false).empty());  // a plane of its own
+  for (const bool midnodes : {false, true}) {
+    const std::vector<std::string> found = misfits(clamp, origin, borders(1), midnodes);
+    ASSERT_EQ(found.size(), 1u) << midnodes;
+    EXPECT_NE(found[0].find("1.02"), std::string::npos) << found[0];
+    if (!midnodes) {
+      EXPECT_NE(found[0].find("1 m instead"), std::string::npos) << found[0];
+    }
+  }
+  // Elements of 50 mm have nodes every 25 mm; only a clamp of single nodes may end halfway.
+  const Box halfway{origin, origin + Eigen::Vector3d(0.025, 0.06, 0.06)};
+  EXPECT_EQ(misfits(halfway, origin, borders(1), false).size(), 1u);
+  EXPECT_TRUE(misfits(halfway, origin, borders(1), true).empty());
+}
+
 }  // namespace
 }  // namespace palpate::object

@@ -42,6 +42,18 @@ TEST(Poke, BendsTheBarAsABeamAndLetsItComeBack) {
   EXPECT_NEAR(plant.position_at(middle).z(), before, 0.02 * sag);
 }
 
+TEST(Poke, MassHangsInTheGravityOfTheSceneForAsLongAsWanted) {
+  const Scene s = read_scene(config::Node::load_file(
+      kControl, {"pokes=[{at: 1, duration: 1e5, point: [0.25, 0.03, 0.06], mass: 0.05}]",
+                 "object.pose={position: [1.36, 0.03, 0.28], rpy_deg: [90, 0, 180]}"}));
+  ASSERT_EQ(s.pokes.size(), 1u);
+  EXPECT_NEAR(s.pokes[0].force.norm(), 0.05 * 9.81, 1e-12);
+  EXPECT_LT((s.X_WO.linear() * s.pokes[0].force - Vector3d(0, 0, -0.05 * 9.81)).norm(), 1e-12);
+  for (const double time : {1.2, 100.0, 9e4}) EXPECT_EQ(s.pokes[0].share(time), 1) << time;
+  EXPECT_THROW(read_scene(config::Node::load_file(kControl, {kPoke, "pokes.0.mass=0.1"})),
+               config::Error);
+}
+
 TEST(Poke, WrongOnesAreRefusedWithTheirKey) {
   for (const char* wrong : {"pokes.0.point=[0.6, 0, 0]", "pokes.0.point=[0, -0.01, 0]",
                             "pokes.0.duration=0", "pokes.0.at=-1", "pokes.0.forces=[0, 0, 0]"}) {

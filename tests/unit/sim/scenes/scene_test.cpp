@@ -131,9 +131,35 @@ TEST(Scene, MaterialMemoryAndGripReachThePlant) {
   EXPECT_EQ(s.plant.grasps[0].pinch_axis, 1);
 }
 
+TEST(Scene, UnmodelledPropertiesOfTheObjectReachThePlant) {
+  const Scene s =
+      read(kSixPoses,
+           {"object.clamp_pads={stiffness: 700, damping: 3}",
+            "object.stiffness_field={deviation: 0.2, length: 0.05, seed: 9}",
+            "object.material.regions=[{box: {lower: [0, 0, 0], upper: [0.25, 1, 1]}, factor: 3}]"});
+  ASSERT_TRUE(s.plant.clamp_pads);
+  EXPECT_EQ(s.plant.clamp_pads->stiffness, 700);
+  EXPECT_EQ(s.plant.clamp_pads->damping, 3);
+  EXPECT_EQ(s.plant.stiffness_field.deviation, 0.2);
+  EXPECT_EQ(s.plant.stiffness_field.length, 0.05);
+  EXPECT_EQ(s.plant.stiffness_field.seed, 9u);
+  ASSERT_EQ(s.plant.regions.size(), 1u);
+  EXPECT_EQ(s.plant.regions[0].young_modulus, 9e4);
+  const Scene plain = read(kSixPoses);
+  EXPECT_FALSE(plain.plant.clamp_pads);
+  EXPECT_EQ(plain.plant.stiffness_field.deviation, 0);
+  EXPECT_NE(refusal({"object.material.regions=[{box: {lower: [0, 0, 0], upper: [1, 1, 1]}, factor: "
+                     "3, young_modulus: 1e4}]"})
+                .find("factor"),
+            std::string::npos);
+}
+
 TEST(Scene, WrongScenesAreRefusedWithTheirKey) {
   for (const char* wrong :
-       {"object.sizes=3", "object.size=[0.5, 0, 0.06]", "object.elements=[1.5, 1, 1]",
+       {"object.clamp_pads.stiffness=0", "object.clamp_pads.rate=1",
+        "object.stiffness_field.deviation=-1", "object.stiffness_field.deviation=2",
+        "object.stiffness_field={deviation: 0.1, length: 0}", "object.sizes=3",
+        "object.size=[0.5, 0, 0.06]", "object.elements=[1.5, 1, 1]",
         "object.material.poisson_ratio=0.5", "object.pads.stiffness=-1", "object.pads.pinch_axis=w",
         "object.material.maxwell=[{relative_modulus: 0, relaxation_time: 1}]", "robot.speed=1",
         "sensors.force_torque.rate=0", "sensors.force_torque.bias=[1]", "motion.poses.0.move=0",
