@@ -21,6 +21,7 @@
 #include "tools/lab/sensor_models/payload.hpp"
 #include "tools/lab/sensor_models/sensors.hpp"
 #include "tools/lab/sensor_models/tactile.hpp"
+#include "tools/lab/studies/discrepancies.hpp"
 #include "tools/lab/studies/sensing_training.hpp"
 #include "tools/lab/studies/study.hpp"
 #include "tools/lab/studies/study_reference.hpp"
@@ -180,6 +181,7 @@ int run(CLI::App& app, int argc, char** argv) {
             "and every method is run on that recording",
             "tools/lab/studies/published_sensing.yaml", "out/published-sensing", true});
 
+  DiscrepanciesCommand discrepancies(app);
 
   TrainSensingCommand train_sensing(app);
 
@@ -206,6 +208,7 @@ int run(CLI::App& app, int argc, char** argv) {
     if (const auto code = study->run(root, std::cout)) return *code;
   if (const auto code = reference.run(root, std::cout)) return *code;
   if (const auto code = draws.run(root, std::cout)) return *code;
+  if (const auto code = discrepancies.run(root, std::cout)) return *code;
   if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {
