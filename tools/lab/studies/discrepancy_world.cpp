@@ -160,7 +160,7 @@ class World {
   void stiffer_half() {
     const bool is_far = drawn("side", "", sign()) > 0;
     const double middle = 0.5 * plant_.size.x();
-    set("object.regions",
+    set("object.material.regions",
         "[{box: {lower: " + text_of(Vector3d(is_far ? middle : -kBeyond, -kBeyond, -kBeyond)) +
             ", upper: " + text_of(Vector3d(is_far ? kBeyond : middle, kBeyond, kBeyond)) +
             "}, factor: " + text_of(kind_.factor) + "}]");

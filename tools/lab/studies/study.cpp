@@ -213,7 +213,10 @@ StudyCommand::Work StudyCommand::work_of(const std::vector<StudyJob>& jobs, cons
                std::to_string(job.seed), "--job", name},
               o.folder(name),
               hash};
-    for (const std::string& argument : arguments_of(o.levels)) task.command.push_back(argument);
+    // Not all draws again in each process.
+    LevelSelection levels = o.levels;
+    if (!job.family.empty()) levels.levels = {job.mismatch};
+    for (const std::string& argument : arguments_of(levels)) task.command.push_back(argument);
     if (job.real_time) task.command.emplace_back("--real-time");
     if (o.keep_logs) task.command.emplace_back("--keep-logs");
     if (o.pictures) task.command.emplace_back("--pictures");

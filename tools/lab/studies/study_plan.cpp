@@ -114,16 +114,16 @@ std::vector<runs::Mismatch> chosen_levels(const config::Node& node, const fs::pa
   const fs::path file = source_file(
       node, {"mismatch_file", "", "file of the model errors, relative to palpate's folder"}, root,
       "tools/lab/studies/mismatch.yaml");
+  std::vector<std::string> chosen = names(
+      node, {"mismatch", "",
+             "model errors, each for every method, by their names; calibrated and uncalibrated: "
+             "draws from these distributions, calibrated 17: one of them"});
   int draws = node.integer({"draws", "", "number of draws of a level that is a distribution"},
                            {1, 100000}, 100);
   const int seed = node.integer({"draw_seed", "", "seed of these draws"}, {0, 1000000000}, 1);
   if (selection.draws > 0) draws = selection.draws;
   const uncertainty::LatinHypercube sample(
       static_cast<std::uint64_t>(selection.draw_seed.value_or(seed)), draws);
-  std::vector<std::string> chosen = names(
-      node, {"mismatch", "",
-             "model errors, each for every method, by their names; calibrated and uncalibrated: "
-             "draws from these distributions, calibrated 17: one of them"});
   if (!selection.levels.empty()) chosen = selection.levels;
   std::vector<runs::Mismatch> levels;
   for (const std::string& name : chosen) {

@@ -40,12 +40,13 @@ log::RunLog reporting_run(const scores::Deformation& truth = at_rest) {
   for (int i = 0; i < 100 * static_cast<int>(kSeconds); ++i) {
     estimate_t estimate{};
     estimate.utime = 10000 * i;
-    estimate.status = is_reported(0.01 * i) ? estimate_t::STATUS_DEGRADED : estimate_t::STATUS_OK;
+    if (is_reported(0.01 * i)) estimate.status = estimate_t::STATUS_DEGRADED;
     run.estimates.push_back(estimate);
     if (i % 10 != 0) continue;
     health_t health{};
     health.utime = estimate.utime;
-    health.state = is_reported(0.01 * i) ? health_t::STATE_DEGRADED : health_t::STATE_ACTIVE;
+    health.state = health_t::STATE_ACTIVE;
+    if (is_reported(0.01 * i)) health.state = health_t::STATE_DEGRADED;
     std::strcpy(reinterpret_cast<char*>(health.reason), "unexplained wrench");
     run.health.push_back(health);
   }
