@@ -256,8 +256,9 @@ class Draw {
     if (d_.gravity_deg == 0) return;
     const Vector3d gravity =
         section(configuration_, "frames").vector3("gravity_in_base", {}, Vector3d(0, 0, -9.81));
-    const Vector3d turn = kDegree * Vector3d(normal("gravity about x", "deg", d_.gravity_deg),
-                                             normal("gravity about y", "deg", d_.gravity_deg), 0);
+    const double about_x = normal("gravity about x", "deg", d_.gravity_deg),
+                 about_y = normal("gravity about y", "deg", d_.gravity_deg);
+    const Vector3d turn = kDegree * Vector3d(about_x, about_y, 0);
     set_daemon("frames.gravity_in_base", text_of(Vector3d(math::exp_rotation(turn) * gravity)));
   }
 
