@@ -103,7 +103,7 @@ StudyReport ten_draws() {
   for (int i = 1; i <= 10; ++i) {
     const std::string name = "calibrated " + std::to_string(i);
     application.levels.push_back({name, "", {}, {}, "calibrated", {}});
-    StudyResult one = result(kNasty, "first", 1, {state("P1", i)});
+    StudyResult one = result(kNasty, "first", 1, json::array({state("P1", i)}));
     one.job.mismatch = name;
     one.job.family = "calibrated";
     one.json["draw"] = {{"name", name}};
