@@ -21,9 +21,11 @@
 #include "tools/lab/sensor_models/payload.hpp"
 #include "tools/lab/sensor_models/sensors.hpp"
 #include "tools/lab/sensor_models/tactile.hpp"
+#include "tools/lab/studies/discrepancies.hpp"
 #include "tools/lab/studies/sensing_training.hpp"
 #include "tools/lab/studies/study.hpp"
 #include "tools/lab/studies/study_reference.hpp"
+#include "tools/lab/uncertainty/draws_command.hpp"
 
 namespace {
 
@@ -34,6 +36,7 @@ using namespace palpate::faults;
 using namespace palpate::scores;
 using namespace palpate::sensor_models;
 using namespace palpate::studies;
+using namespace palpate::uncertainty;
 
 std::string default_data(const std::string& root) {
   if (const char* folder = std::getenv("PALPATE_DATA")) return folder;
@@ -177,9 +180,12 @@ int run(CLI::App& app, int argc, char** argv) {
             "and every method is run on that recording",
             "tools/lab/studies/published_sensing.yaml", "out/published-sensing", true});
 
+  DiscrepanciesCommand discrepancies(app);
+
   TrainSensingCommand train_sensing(app);
 
   StudyReferenceCommand reference(app);
+  DrawsCommand draws(app);
 
   FaultsCommand faults(app);
 
@@ -200,6 +206,8 @@ int run(CLI::App& app, int argc, char** argv) {
   for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})
     if (const auto code = study->run(root, std::cout)) return *code;
   if (const auto code = reference.run(root, std::cout)) return *code;
+  if (const auto code = draws.run(root, std::cout)) return *code;
+  if (const auto code = discrepancies.run(root, std::cout)) return *code;
   if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {

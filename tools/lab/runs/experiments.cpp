@@ -56,7 +56,7 @@ Mismatch raw_level(const std::filesystem::path& file, const YAML::Node& root,
     if (key != "about" && key != "of" && key != "scene" && key != "daemon")
       fail(file, entry.first, level + "." + key + ": unknown key; known: about, of, scene, daemon");
   }
-  Mismatch mismatch{level, node["about"].as<std::string>(""), {}, {}};
+  Mismatch mismatch{level, node["about"].as<std::string>(""), {}, {}, {}, {}};
   const auto append = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
     to.insert(to.end(), from.begin(), from.end());
   };

@@ -10,12 +10,21 @@
 
 namespace palpate::runs {
 
+/// A parameter of a drawn model error.
+struct DrawnValue {
+  std::string parameter;
+  std::string unit;
+  double value = 0;
+};
+
 /// A level of model error: overrides "path.to.key=value" for --set.
 struct Mismatch {
   std::string name;
   std::string about;
   std::vector<std::string> scene;
   std::vector<std::string> daemon;
+  std::string family;  // distributions that it was drawn from, such as "calibrated"; empty: none
+  std::vector<DrawnValue> drawn;  // its parameters
 };
 
 /// Reads a level of mismatch.yaml, with relative changes made absolute for this scene and this

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/log/plant_truth.hpp"
+#include "tools/lab/scores/truth_points.hpp"
 
 namespace palpate::scores {
 namespace {
@@ -19,10 +19,10 @@ constexpr double kSoon = 3;                    // s of motion within which E mus
 
 double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
-void score_deviations(const log::RunLog& run, BeliefScore& score) {
+void score_deviations(const log::RunLog& run, const math::Pose& X_OP, BeliefScore& score) {
   const log::MeshMessage estimate = log::assemble(run.shape_chunks),
                          plant = log::assemble(run.truth_chunks);
-  const log::PlantPoints points(plant, estimate.nodes);
+  const TruthPoints points(plant, estimate, estimate.nodes, X_OP);
   const log::PlantMotion motion(run.truths);
   Eigen::Matrix3Xd truth;
   long inside = 0, count = 0;
@@ -82,10 +82,10 @@ void score_estimates(const log::RunLog& run, BeliefScore& score) {
 
 }  // namespace
 
-BeliefScore score_belief(const log::RunLog& run) {
+BeliefScore score_belief(const log::RunLog& run, const math::Pose& X_OP) {
   if (run.shapes.empty()) throw std::runtime_error("the log holds no SHAPE");
   BeliefScore score;
-  score_deviations(run, score);
+  score_deviations(run, X_OP, score);
   score_estimates(run, score);
   return score;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/math/rigid.hpp"
 #include "tools/log/log_reader.hpp"
 
 namespace palpate::scores {
@@ -30,8 +31,9 @@ inline bool reports_contact(const estimate_t& estimate) {
   return estimate.unknown_contact_deviation >= 0;
 }
 
-/// Throws std::runtime_error if the log lacks shape, truth or meshes.
-BeliefScore score_belief(const log::RunLog& run);
+/// X_OP: pose of the plant's O (P) in palpated's O. Throws std::runtime_error if the log lacks
+/// shape, truth or meshes.
+BeliefScore score_belief(const log::RunLog& run, const math::Pose& X_OP = math::Pose::Identity());
 
 nlohmann::json to_json(const BeliefScore& belief);
 

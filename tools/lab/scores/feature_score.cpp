@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/math/constants.hpp"
+#include "tools/lab/scores/truth_points.hpp"
 
 namespace palpate::scores {
 namespace {
@@ -108,7 +109,8 @@ double overshoot(const std::vector<FeatureErrorSample>& samples, const Eigen::Ve
 }
 
 std::optional<FeatureScore> score_feature(const log::RunLog& run,
-                                          const runs::FeatureDefinition* steered) {
+                                          const runs::FeatureDefinition* steered,
+                                          const math::Pose& X_OP) {
   if (run.targets.empty()) return std::nullopt;
   const shape_target_t& message = first_of_last_revision(run.targets);
   if (message.point_count < 1)
@@ -130,7 +132,10 @@ std::optional<FeatureScore> score_feature(const log::RunLog& run,
   score.target = feature.place(target);
 
   const log::MeshMessage plant = log::assemble(run.truth_chunks);
-  const log::PlantPoints points(plant, feature.rest_points());
+  // Without a mesh of palpated's its dimensions are those of the plant.
+  const TruthPoints points(plant,
+                           run.shape_chunks.empty() ? plant : log::assemble(run.shape_chunks),
+                           feature.rest_points(), X_OP);
   for (const shape_t& truth : run.truths) {
     if (truth.utime < message.utime || truth.node_count != plant.nodes.cols()) continue;
     const Eigen::VectorXd value = feature.value(points.at(log::positions(truth)));

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/rigid.hpp"
 #include "tools/lab/runs/feature_on_points.hpp"
 #include "tools/log/log_reader.hpp"
 #include "tools/log/plant_truth.hpp"
@@ -59,9 +60,11 @@ struct FeatureScore {
 /// Scores the last target in the log on the plant. For a set, FEATURE, and therefore the daemon's
 /// estimate, holds the first ten points. `steered`: definition of the feature beyond its points
 /// (axis, harmonics), which no message carries; nullptr: none, as for `point`, `pose` (the frame of
-/// three), `points` and `distance`. Empty if the log has no target; throws std::runtime_error if
+/// three), `points` and `distance`. X_OP: pose of the plant's O (P) in palpated's O, in which the
+/// target is. Empty if the log has no target; throws std::runtime_error if
 /// the target names no rest points.
 std::optional<FeatureScore> score_feature(const log::RunLog& run,
-                                          const runs::FeatureDefinition* steered = nullptr);
+                                          const runs::FeatureDefinition* steered = nullptr,
+                                          const math::Pose& X_OP = math::Pose::Identity());
 
 }  // namespace palpate::scores

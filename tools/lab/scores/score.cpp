@@ -33,9 +33,9 @@ Gate gate_of(const std::filesystem::path& configuration,
 Gate gate_of(const runs::RunPlan& plan) { return gate_of(plan.configuration, plan.overrides); }
 
 void score_into(ScoredRun& scored, const log::RunLog& log, const Gate& gate,
-                const runs::FeatureDefinition* steered) {
-  scored.shape = score_shape(log);
-  scored.feature = score_feature(log, steered);
+                const runs::FeatureDefinition* steered, const math::Pose& X_OP) {
+  scored.shape = score_shape(log, X_OP);
+  scored.feature = score_feature(log, steered, X_OP);
   scored.loop = score_loop(log);
   if (scored.loop->faulted) scored.missed.push_back("palpated was faulted: " + scored.loop->reason);
   check_limits(scored, log, gate);

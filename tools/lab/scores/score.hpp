@@ -17,9 +17,10 @@ Gate gate_of(const std::filesystem::path& configuration, const std::vector<std::
 
 /// Adds every score that the log supports: shape, feature, loop, commands. Commands beyond the
 /// gate's limits and a fault are entered as missed bounds. Throws std::runtime_error if data are
-/// missing.
+/// missing. X_OP: pose of the plant's O (P) in palpated's O.
 void score_into(ScoredRun& scored, const log::RunLog& log, const Gate& gate,
-                const runs::FeatureDefinition* steered = nullptr);
+                const runs::FeatureDefinition* steered = nullptr,
+                const math::Pose& X_OP = math::Pose::Identity());
 
 /// Adds a missed bound if fewer poses were held than `scene` contains.
 void check_poses(ScoredRun& scored, const std::filesystem::path& scene);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/math/rigid.hpp"
+#include "tools/lab/scores/truth_points.hpp"
 
 namespace palpate::scores {
 namespace {
@@ -76,12 +76,12 @@ std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, d
   return holds;
 }
 
-ShapeScore score_shape(const log::RunLog& run) {
+ShapeScore score_shape(const log::RunLog& run, const math::Pose& X_OP) {
   if (run.shapes.empty()) throw std::runtime_error("the log holds no SHAPE");
   if (run.truths.empty()) throw std::runtime_error("the log holds no TRUTH_SHAPE");
   const log::MeshMessage estimate = log::assemble(run.shape_chunks);
   const log::MeshMessage plant = log::assemble(run.truth_chunks);
-  const log::PlantPoints points(plant, estimate.nodes);
+  const TruthPoints points(plant, estimate, estimate.nodes, X_OP);
   const log::PlantMotion motion(run.truths);
   const std::int64_t start = run.shapes.front().utime;
 

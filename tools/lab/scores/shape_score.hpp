@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/math/rigid.hpp"
 #include "tools/log/log_reader.hpp"
 #include "tools/log/plant_truth.hpp"
 
@@ -58,8 +59,9 @@ struct Interval {
 };
 std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, double least);
 
-/// Compares every SHAPE with the ground truth of the same instant at all nodes of the estimate.
-/// Throws std::runtime_error if the log lacks shape, truth or meshes.
-ShapeScore score_shape(const log::RunLog& run);
+/// Compares every SHAPE with the ground truth of the same instant at all nodes of the estimate
+/// (TruthPoints). X_OP: pose of the plant's O (P) in palpated's O. Throws std::runtime_error if the
+/// log lacks shape, truth or meshes.
+ShapeScore score_shape(const log::RunLog& run, const math::Pose& X_OP = math::Pose::Identity());
 
 }  // namespace palpate::scores

@@ -44,12 +44,14 @@ double deviations(const Vector6d& change) {
 /// One run, in s since the start of the scene.
 class Run {
  public:
-  Run(const log::RunLog& log, const scores::ShapeScore& shape, const registry::Frames& frames)
+  Run(const log::RunLog& log, const scores::ShapeScore& shape, const registry::Frames& frames,
+      const math::Pose& X_OP)
       : log_(log),
         shape_(shape),
         plant_(log::assemble(log.truth_chunks)),
         motion_(log.truths),
         X_GS_(frames.X_EG.inverse() * frames.X_ES),
+        X_OP_(X_OP),
         start_(log.truths.front().utime) {}
 
   double time(std::int64_t utime) const { return 1e-6 * static_cast<double>(utime - start_); }
@@ -119,7 +121,7 @@ class Run {
       if (now < full - kWindow || now > full || contact.force_deviation < 0) continue;
       if (!motion_.at(contact.utime, truth)) continue;
       const Eigen::Map<const Vector3d> reported(contact.location);
-      place += (reported - point.at(truth).col(0)).norm();
+      place += (reported - X_OP_ * Vector3d(point.at(truth).col(0))).norm();
       force += Eigen::Map<const Vector3d>(contact.force);
       observable += contact.location_deviation >= 0 ? 1 : 0;
       ++count;
@@ -127,7 +129,7 @@ class Run {
     if (count == 0) return;
     result.observable = static_cast<double>(observable) / count;
     result.place = place / count;
-    result.force = (force / count - poke.force).norm();
+    result.force = (force / count - X_OP_.linear() * poke.force).norm();
   }
 
   void score_shape(PokeScore& result, const std::optional<double>& found_at) const {
@@ -156,7 +158,7 @@ class Run {
   const scores::ShapeScore& shape_;
   log::MeshMessage plant_;
   log::PlantMotion motion_;
-  math::Pose X_GS_;
+  math::Pose X_GS_, X_OP_;
   std::int64_t start_;
 };
 
@@ -179,10 +181,11 @@ Json json_of(const std::optional<PokeScore::Error>& error, double length) {
 }  // namespace
 
 PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const log::RunLog& log,
-                       const scores::ShapeScore& shape, const registry::Frames& frames) {
+                       const scores::ShapeScore& shape, const registry::Frames& frames,
+                       const math::Pose& X_OP) {
   if (log.truths.empty() || log.shapes.empty() || log.estimates.empty())
     throw std::runtime_error("the log holds no truth or no estimate");
-  const Run run(log, shape, frames);
+  const Run run(log, shape, frames, X_OP);
   PokeScores result;
   for (const scenes::Poke& poke : pokes) result.pokes.push_back(run.score(poke));
   bool reported = false;

@@ -42,9 +42,11 @@ struct PokeScores {
   double quiet = 0;                  // s without a poke
 };
 
-/// Throws std::runtime_error if the log lacks truth or estimate at one of `pokes`.
+/// X_OP: pose of the plant's O (P) in palpated's O. Throws std::runtime_error if the log lacks
+/// truth or estimate at one of `pokes`.
 PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const log::RunLog& log,
-                       const scores::ShapeScore& shape, const registry::Frames& frames);
+                       const scores::ShapeScore& shape, const registry::Frames& frames,
+                       const math::Pose& X_OP = math::Pose::Identity());
 
 /// `length`: largest side of the object, m.
 nlohmann::json to_json(const PokeScores& scores, double length);

@@ -129,12 +129,12 @@ ReportTable poke_table(const StudyApplication& application,
                     {}};
   for (const Figure& figure : kFigures) table.header.emplace_back(figure.header);
   table.header.emplace_back("false alarms in s");
-  for (const runs::Mismatch& level : application.levels) {
+  for (const std::string& level : level_names(application)) {
     bool is_first = true;
     for (const runs::Method& method : application.methods) {
-      const Runs runs = runs_of(application, results, method.name, level.name);
+      const Runs runs = runs_of(application, results, method.name, level);
       if (runs.empty()) continue;
-      if (is_first) table.rows.push_back({"model error: " + level.name});
+      if (is_first) table.rows.push_back({"model error: " + level});
       is_first = false;
       add_row(table, method.name, runs);
     }

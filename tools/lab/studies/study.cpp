@@ -34,6 +34,24 @@ std::string check_shard(const std::string& text) {
   }
 }
 
+/// As on the command line.
+std::vector<std::string> arguments_of(const LevelSelection& levels) {
+  std::vector<std::string> arguments;
+  for (const std::string& level : levels.levels) {
+    arguments.emplace_back("--mismatch");
+    arguments.push_back(level);
+  }
+  if (levels.draws > 0) {
+    arguments.emplace_back("--draws");
+    arguments.push_back(std::to_string(levels.draws));
+  }
+  if (levels.draw_seed) {
+    arguments.emplace_back("--draw-seed");
+    arguments.push_back(std::to_string(*levels.draw_seed));
+  }
+  return arguments;
+}
+
 int default_workers() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / kCoresAJob);
 }
@@ -45,6 +63,7 @@ struct StudyCommand::Options {
   fs::path output;
   fs::path json;
   StudySelection selection;
+  LevelSelection levels;
   int workers = default_workers();
   double cap = 100;  // mm
   bool list = false;
@@ -111,6 +130,18 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
       ->allow_extra_args(false);
   command_->add_option("--seeds", o.selection.seeds, "seeds instead of the plan's, e.g. 1,2,3")
       ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
+  command_
+      ->add_option(
+          "--mismatch", o.levels.levels,
+          "model errors instead of the plan's (repeatable): none, all, calibrated for draws "
+          "from that distribution, \"calibrated 17\" for one of them")
+      ->allow_extra_args(false);
+  command_
+      ->add_option("--draws", o.levels.draws,
+                   "number of draws of a distribution (default: the plan's)")
+      ->check(CLI::Range(1, 100000));
+  command_->add_option("--draw-seed", o.levels.draw_seed, "seed of the draws (default: the plan's)")
       ->check(CLI::NonNegativeNumber);
   command_->add_flag("--quick", o.selection.quick,
                      "the first seed alone, without what the plan marks `quick: false`");
@@ -182,6 +213,10 @@ StudyCommand::Work StudyCommand::work_of(const std::vector<StudyJob>& jobs, cons
                std::to_string(job.seed), "--job", name},
               o.folder(name),
               hash};
+    // Not all draws again in each process.
+    LevelSelection levels = o.levels;
+    if (!job.family.empty()) levels.levels = {job.mismatch};
+    for (const std::string& argument : arguments_of(levels)) task.command.push_back(argument);
     if (job.real_time) task.command.emplace_back("--real-time");
     if (o.keep_logs) task.command.emplace_back("--keep-logs");
     if (o.pictures) task.command.emplace_back("--pictures");
@@ -274,7 +309,7 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   report.name = study_.name;
   report.title = study_.title;
   report.folder = fs::absolute(o.output);
-  report.plan = read_study_plan(plan_file, fs::absolute(root));
+  report.plan = read_study_plan(plan_file, fs::absolute(root), o.levels);
   const std::vector<StudyJob> jobs = study_jobs(report.plan, o.selection);
   if (o.list) {
     print_list(jobs, out);

@@ -69,18 +69,29 @@ Json json_in(const fs::path& file) {
   return Json::parse(in, nullptr, false);
 }
 
+/// The parameters of a drawn model error.
+Json drawn_of(const StudyJob& job) {
+  Json parameters = Json::array();
+  for (const runs::DrawnValue& value : job.drawn)
+    parameters.push_back(
+        {{"parameter", value.parameter}, {"unit", value.unit}, {"value", value.value}});
+  return {{"distribution", job.family}, {"name", job.mismatch}, {"parameters", parameters}};
+}
+
 /// The head of every result.
 Json result_head(const StudyJob& job, const std::string& inputs_hash, const char* mode) {
-  return {{"inputs_hash", inputs_hash},
-          {"version", PALPATE_VERSION},
-          {"job",
-           {{"name", job.name},
-            {"application", job.application},
-            {"kind", job.kind},
-            {"method", job.method},
-            {"model_error", job.mismatch},
-            {"seed", job.seed},
-            {"mode", mode}}}};
+  Json head{{"inputs_hash", inputs_hash},
+            {"version", PALPATE_VERSION},
+            {"job",
+             {{"name", job.name},
+              {"application", job.application},
+              {"kind", job.kind},
+              {"method", job.method},
+              {"model_error", job.mismatch},
+              {"seed", job.seed},
+              {"mode", mode}}}};
+  if (!job.family.empty()) head["draw"] = drawn_of(job);
+  return head;
 }
 
 scores::ScoredRun scored_run(const StudyJob& job) {
@@ -96,8 +107,9 @@ registry::Frames frames_of(const StudyJob& job) {
       config::Node::load_file(job.configuration.string(), job.daemon_overrides));
 }
 
-/// A result is written completely or not at all.
+/// A result is written completely or not at all; the parameters of its draw also alone.
 void write_result(const Json& result, const fs::path& folder) {
+  if (result.contains("draw")) common::write_json(result["draw"], folder / "draw.json");
   common::write_json(result, folder / "result.json.part");
   fs::rename(folder / "result.json.part", folder / "result.json");
 }
@@ -151,9 +163,12 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   runs::RunFiles files;
   const log::RunLog log = run_and_read(job, plan, folder, files);
   scores::ScoredRun scored = scored_run(job);
-  scores::score_into(scored, log, scores::gate_of(plan), job.target ? &*job.target : nullptr);
   const registry::Frames frames = frames_of(job);
   const math::Pose& X_WO = frames.X_WO;
+  const scenes::Scene scene =
+      scenes::read_scene(config::Node::load_file(job.scene.string(), job.scene_overrides));
+  const math::Pose X_OP = X_WO.inverse() * scene.X_WO;
+  scores::score_into(scored, log, scores::gate_of(plan), job.target ? &*job.target : nullptr, X_OP);
 
   Json result = result_head(job, inputs_hash, job.real_time ? "real time" : "lock-step");
   result["score"] = to_json(scored);
@@ -161,7 +176,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   if (!job.real_time) result["score"]["loop"].erase("latency_us");
   result["simulator"] = json_in(files.simulator);
   result["features_lost_by_log"] = lost_by(log, files);
-  std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
+  std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO, X_OP);
   for (std::size_t i = 0; i < states.size(); ++i) {
     Json state = to_json(states[i], scored.shape->length);
     if (job.kind == "tactile") {
@@ -171,11 +186,10 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
     state["picture"] = picture_of(states[i], i + 1, X_WO, folder);
     result["states"].push_back(std::move(state));
   }
-  result["belief"] = to_json(scores::score_belief(log));
-  const config::Node scene = config::Node::load_file(job.scene.string(), job.scene_overrides);
-  const std::vector<scenes::Poke> pokes = scenes::read_scene(scene).pokes;
-  if (!pokes.empty())
-    result["pokes"] = to_json(score_pokes(pokes, log, *scored.shape, frames), scored.shape->length);
+  result["belief"] = to_json(scores::score_belief(log, X_OP));
+  if (!scene.pokes.empty())
+    result["pokes"] =
+        to_json(score_pokes(scene.pokes, log, *scored.shape, frames, X_OP), scored.shape->length);
   result["shape_error"] = shape_curve(*scored.shape);
   if (scored.feature) result["control"] = control_curves(*scored.feature, log);
   write_result(result, folder);
@@ -215,11 +229,13 @@ void run_replayed_job(const StudyJob& job, const std::string& inputs_hash, const
   replay(scene_of(job), recording, job.daemon_overrides, folder, kJobPatience, reader);
 
   scores::ScoredRun scored = scored_run(job);
-  scored.shape = scores::score_shape(log);
   const math::Pose X_WO = frames_of(job).X_WO;
+  const config::Node scene = config::Node::load_file(job.scene.string(), job.scene_overrides);
+  const math::Pose X_OP = X_WO.inverse() * scenes::read_scene(scene).X_WO;
+  scored.shape = scores::score_shape(log, X_OP);
   Json result = result_head(job, inputs_hash, "replayed");
   result["score"] = to_json(scored);
-  const std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
+  const std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO, X_OP);
   for (std::size_t i = 0; i < states.size(); ++i) {
     Json state = to_json(states[i], scored.shape->length);
     state["picture"] = pictures ? picture_of(states[i], i + 1, X_WO, folder) : "";

@@ -31,12 +31,12 @@ std::optional<double> number_at(const Json& result, const char* pointer) {
 }
 
 template <class Value>
-std::string median_over(const Runs& runs, int decimals, const Value& value) {
+std::string median_over(const Runs& runs, int decimals, bool most_is_best, const Value& value) {
   std::vector<double> values;
   for (const StudyResult* run : runs)
     if (run->json.is_object())
       if (const std::optional<double> number = value(run->json)) values.push_back(*number);
-  return common::median_and_interval(values, decimals);
+  return spread(std::move(values), decimals, !runs.front()->job.family.empty(), most_is_best);
 }
 
 /// Over the runs with a target that is a position or a distance: those with a time of at most
@@ -58,16 +58,16 @@ constexpr double kSoon = 3, kEver = 1e9;  // s
 
 void add_cells(const Runs& runs, std::vector<std::string>& row) {
   const auto states = [&](const char* key, bool largest) {
-    row.push_back(
-        median_over(runs, 2, [&](const Json& result) { return of_states(result, key, largest); }));
+    row.push_back(median_over(runs, 2, false,
+                              [&](const Json& result) { return of_states(result, key, largest); }));
   };
-  const auto score = [&](const char* pointer, int decimals) {
-    row.push_back(median_over(runs, decimals,
+  const auto score = [&](const char* pointer, int decimals, bool most_is_best = false) {
+    row.push_back(median_over(runs, decimals, most_is_best,
                               [&](const Json& result) { return number_at(result, pointer); }));
   };
   states("mean_percent_of_length", false);
   states("max_percent_of_length", true);
-  score("/belief/within_95_percent_interval", 0);
+  score("/belief/within_95_percent_interval", 0, true);
   score("/belief/young_modulus_kpa", 1);
   score("/score/feature/error_mm", 2);
   row.push_back(share_over(runs, "/score/feature/time_to_5mm_s", kEver));
@@ -78,11 +78,15 @@ void add_cells(const Runs& runs, std::vector<std::string>& row) {
 }
 
 /// Names in order of first occurrence in the plan.
-template <class Named>
-void add_names(const std::vector<Named>& from, std::vector<std::string>& names) {
-  for (const Named& entry : from)
-    if (std::find(names.begin(), names.end(), entry.name) == names.end())
-      names.push_back(entry.name);
+void add_names(const std::vector<std::string>& from, std::vector<std::string>& names) {
+  for (const std::string& name : from)
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+std::vector<std::string> method_names(const StudyApplication& application) {
+  std::vector<std::string> names;
+  for (const runs::Method& method : application.methods) names.push_back(method.name);
+  return names;
 }
 
 }  // namespace
@@ -90,8 +94,8 @@ void add_names(const std::vector<Named>& from, std::vector<std::string>& names) 
 ReportTable overview_table(const StudyPlan& plan, const std::vector<StudyResult>& results) {
   std::vector<std::string> levels, methods;
   for (const StudyApplication& application : plan.applications) {
-    add_names(application.levels, levels);
-    add_names(application.methods, methods);
+    add_names(level_names(application), levels);
+    add_names(method_names(application), methods);
   }
   ReportTable table{{"method", "mean shape error, % of side", "max, % of side",
                      "within its 95 % interval, %", "E kPa", "feature's error mm", "5 mm and stays",
@@ -102,11 +106,13 @@ ReportTable overview_table(const StudyPlan& plan, const std::vector<StudyResult>
     for (const std::string& method : methods) {
       Runs runs;
       for (const StudyResult& result : results)
-        if (result.job.mismatch == level && result.job.method == method &&
+        if (is_of_level(result.job, level) && result.job.method == method &&
             (result.failed || result.json.is_object()))
           runs.push_back(&result);
       if (runs.empty()) continue;
-      if (!titled) table.rows.push_back({"model error: " + level});
+      if (!titled)
+        table.rows.push_back({"model error: " + level +
+                              (runs.front()->job.family == level ? ": median; 90 %; worst" : "")});
       titled = true;
       std::vector<std::string> row{method};
       add_cells(runs, row);

@@ -8,6 +8,8 @@
 #include "sim/scenes/scene.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/lab/runs/live_run.hpp"
+#include "tools/lab/uncertainty/drawn_error.hpp"
+#include "tools/lab/uncertainty/draws_command.hpp"
 
 namespace palpate::studies {
 namespace {
@@ -51,38 +53,89 @@ std::vector<runs::Method> chosen_methods(const config::Node& node, const fs::pat
   return chosen;
 }
 
-/// Settings of this application, applied after those of a method or level.
-void add_settings(const config::Node& node, StudyApplication& application) {
+/// Settings of this application, applied after those of a method or level. `is_replaced`: the
+/// plan's model errors are not run, so that settings for them have no effect.
+void add_settings(const config::Node& node, StudyApplication& application, bool is_replaced) {
   const auto named = [](const std::string& name) {
     return [&name](const auto& entry) { return entry.name == name; };
   };
   for (const std::string& name : node.keys()) {
     const auto method =
         std::find_if(application.methods.begin(), application.methods.end(), named(name));
-    const auto level =
-        std::find_if(application.levels.begin(), application.levels.end(), named(name));
-    const bool is_method = method != application.methods.end();
-    if (!is_method && level == application.levels.end())
+    std::vector<std::vector<std::string>*> settings;
+    if (method != application.methods.end()) settings.push_back(&method->overrides);
+    for (runs::Mismatch& level : application.levels)
+      if (level.name == name || level.family == name) settings.push_back(&level.daemon);
+    if (settings.empty() && !is_replaced)
       node.fail(name, "is no method and no model error of this application");
-    std::vector<std::string>& settings = is_method ? method->overrides : level->daemon;
     for (const std::string& setting : node.texts(
              {name, "", "key=value over the configuration, for this method or error alone"})) {
       if (setting.find('=') == std::string::npos)
         node.fail(name, "\"" + setting + "\" is not of the form key=value");
-      settings.push_back(setting);
+      for (std::vector<std::string>* of : settings) of->push_back(setting);
     }
   }
 }
 
+/// "calibrated 17" as "calibrated" and 17; without a number as 0.
+std::pair<std::string, int> split_draw(const std::string& name) {
+  const std::size_t space = name.find_last_of(' ');
+  const std::string number = space == std::string::npos ? "" : name.substr(space + 1);
+  const bool is_number =
+      !number.empty() && number.size() < 7 &&
+      std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (!is_number) return {name, 0};
+  return {name.substr(0, space), std::stoi(number)};
+}
+
+/// The draws of a level that names a file of distributions; empty for another.
+std::vector<runs::Mismatch> drawn_levels(const config::Node& node, const fs::path& root,
+                                         const std::string& name,
+                                         const uncertainty::LatinHypercube& sample,
+                                         const StudyApplication& application) {
+  const auto [family, index] = split_draw(name);
+  const fs::path file = uncertainty::distributions_file(root, family);
+  if (!fs::exists(file)) return {};
+  if (index > sample.count() || (index == 0 && family != name))
+    node.fail("mismatch", "\"" + name + "\" is not among the draws; allowed: 1 to " +
+                              std::to_string(sample.count()));
+  const uncertainty::Distributions distributions = uncertainty::read_distributions(file);
+  std::vector<runs::Mismatch> levels;
+  const int first = index > 0 ? index : 1, last = index > 0 ? index : sample.count();
+  for (int i = first; i <= last; ++i)
+    levels.push_back(uncertainty::draw_mismatch(distributions, sample, i, application.scene,
+                                                application.configuration));
+  return levels;
+}
+
 std::vector<runs::Mismatch> chosen_levels(const config::Node& node, const fs::path& root,
-                                          const StudyApplication& application) {
+                                          const StudyApplication& application,
+                                          const LevelSelection& selection) {
   const fs::path file = source_file(
       node, {"mismatch_file", "", "file of the model errors, relative to palpate's folder"}, root,
       "tools/lab/studies/mismatch.yaml");
+  std::vector<std::string> chosen = names(
+      node, {"mismatch", "",
+             "model errors, each for every method, by their names; calibrated and uncalibrated: "
+             "draws from these distributions, calibrated 17: one of them"});
+  int draws = node.integer({"draws", "", "number of draws of a level that is a distribution"},
+                           {1, 100000}, 100);
+  const int seed = node.integer({"draw_seed", "", "seed of these draws"}, {0, 1000000000}, 1);
+  if (selection.draws > 0) draws = selection.draws;
+  const uncertainty::LatinHypercube sample(
+      static_cast<std::uint64_t>(selection.draw_seed.value_or(seed)), draws);
+  if (!selection.levels.empty()) chosen = selection.levels;
   std::vector<runs::Mismatch> levels;
-  for (const std::string& name :
-       names(node, {"mismatch", "", "model errors, each for every method, by their names"}))
-    levels.push_back(runs::read_mismatch(file, name, application.scene, application.configuration));
+  for (const std::string& name : chosen) {
+    std::vector<runs::Mismatch> drawn = drawn_levels(node, root, name, sample, application);
+    if (drawn.empty())
+      drawn.push_back(
+          runs::read_mismatch(file, name, application.scene, application.configuration));
+    for (runs::Mismatch& level : drawn)
+      if (std::none_of(levels.begin(), levels.end(),
+                       [&level](const auto& other) { return other.name == level.name; }))
+        levels.push_back(std::move(level));
+  }
   return levels;
 }
 
@@ -152,7 +205,8 @@ void read_motion(const config::Node& node, StudyApplication& application) {
       {0.5, 3600});
 }
 
-StudyApplication read_application(const config::Node& node, const fs::path& root) {
+StudyApplication read_application(const config::Node& node, const fs::path& root,
+                                  const LevelSelection& levels) {
   StudyApplication application;
   application.name = node.text({"name", "", "name of the application"});
   application.kind =
@@ -164,10 +218,10 @@ StudyApplication read_application(const config::Node& node, const fs::path& root
   application.configuration = source_file(
       node, {"configuration", "", "configuration of palpated, relative to palpate's folder"}, root);
   application.methods = chosen_methods(node, root);
-  application.levels = chosen_levels(node, root, application);
+  application.levels = chosen_levels(node, root, application, levels);
   add_settings(
       node.child_or_empty({"also", "", "settings by method or model error, after its own"}),
-      application);
+      application, !levels.levels.empty());
   application.seeds = seeds_of(node);
   read_motion(node, application);
   for (const config::Node& state : node.list({"states", "", "instants that are scored separately"}))
@@ -220,6 +274,8 @@ StudyJob make_job(const StudyApplication& application, const runs::Method& metho
   job.kind = application.kind;
   job.method = method.name;
   job.mismatch = level.name;
+  job.family = level.family;
+  job.drawn = level.drawn;
   job.seed = seed;
   job.scene = application.scene;
   job.scene_overrides = level.scene;
@@ -245,7 +301,8 @@ StudyJob make_job(const StudyApplication& application, const runs::Method& metho
 
 }  // namespace
 
-StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
+StudyPlan read_study_plan(const fs::path& file, const fs::path& root,
+                          const LevelSelection& levels) {
   const config::Node node = config::Node::load_file(file.string());
   StudyPlan plan;
   plan.octree_resolution = node.number(
@@ -254,7 +311,7 @@ StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
   std::set<std::string> names;
   for (const config::Node& entry :
        node.list({"applications", "", "tasks to run, each with every method, error and seed"})) {
-    plan.applications.push_back(read_application(entry, root));
+    plan.applications.push_back(read_application(entry, root, levels));
     if (!names.insert(common::file_name(plan.applications.back().name)).second)
       entry.fail("name", "\"" + plan.applications.back().name + "\" is there twice");
   }

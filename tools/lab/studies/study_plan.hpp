@@ -46,9 +46,19 @@ struct StudyPlan {
   std::vector<StudyApplication> applications;
 };
 
+/// Model errors in place of a plan's.
+struct LevelSelection {
+  std::vector<std::string> levels;  // names as in a plan; empty: the plan's
+  int draws = 0;                    // of each distribution; 0: the plan's
+  std::optional<int> draw_seed;     // of the draws
+};
+
 /// Reads a plan (thesis.yaml documents the keys) and the files that its entries name below `root`,
-/// the source tree. Throws config::Error that names file and key.
-StudyPlan read_study_plan(const std::filesystem::path& file, const std::filesystem::path& root);
+/// the source tree. A level of `mismatch` that names a file of distributions (calibrated) stands
+/// for all its draws, one with a number (calibrated 17) for that draw. Throws config::Error that
+/// names file and key.
+StudyPlan read_study_plan(const std::filesystem::path& file, const std::filesystem::path& root,
+                          const LevelSelection& levels = {});
 
 /// One run: an application with one method, one level of model error and one seed.
 struct StudyJob {
@@ -69,6 +79,8 @@ struct StudyJob {
   std::optional<runs::ControlTarget> target;
   double octree_resolution = 0;  // m
   bool real_time = false;
+  std::string family;                   // of the model error, if it was drawn
+  std::vector<runs::DrawnValue> drawn;  // its parameters
 };
 
 /// Selection of a plan's jobs.

@@ -71,7 +71,14 @@ Json json_of(const StudyReport& report, const StudyApplication& application) {
             {"model_errors", Json::array()},
             {"methods", Json::array()},
             {"tables", Json::array()}};
-  for (const runs::Mismatch& level : application.levels) json["model_errors"].push_back(level.name);
+  // The page plots a run of each: of a distribution its first draw.
+  for (const std::string& name : level_names(application))
+    json["model_errors"].push_back(std::find_if(application.levels.begin(),
+                                                application.levels.end(),
+                                                [&name](const runs::Mismatch& level) {
+                                                  return level.name == name || level.family == name;
+                                                })
+                                       ->name);
   for (const runs::Method& method : application.methods) json["methods"].push_back(method.name);
   const auto add = [&json](const std::string& title, const ReportTable& table) {
     if (!table.rows.empty()) json["tables"].push_back(json_of(title, table));

@@ -6,6 +6,7 @@
 
 #include "core/math/constants.hpp"
 #include "tools/lab/runs/feature_on_points.hpp"
+#include "tools/lab/scores/truth_points.hpp"
 
 namespace palpate::studies {
 namespace {
@@ -44,14 +45,16 @@ Eigen::Matrix3Xd observed(const shape_observation_t& message, const math::Pose& 
 /// Shapes recorded in a log at a time.
 class Shapes {
  public:
-  Shapes(const log::RunLog& log, const math::Pose& X_WO)
+  Shapes(const log::RunLog& log, const math::Pose& X_WO, const math::Pose& X_OP)
       : log_(log),
         X_WO_(X_WO),
+        X_OP_(X_OP),
         plant_(log::assemble(log.truth_chunks)),
         estimate_(log::assemble(log.shape_chunks)),
         motion_(log.truths) {}
 
   const log::MeshMessage& plant() const { return plant_; }
+  const log::MeshMessage& estimate() const { return estimate_; }
 
   StateShapes at(std::int64_t utime) const {
     StateShapes shapes;
@@ -59,6 +62,7 @@ class Shapes {
     if (!motion_.at(utime, shapes.truth.points) || estimate == nullptr ||
         estimate->node_count != estimate_.nodes.cols())
       throw std::runtime_error("the log does not reach the state");
+    shapes.truth.points = log::transformed(X_OP_, shapes.truth.points);
     shapes.truth.triangles = plant_.triangles;
     shapes.estimate = {log::positions(*estimate), estimate_.triangles};
     const shape_observation_t* observation = log::latest(log_.observations, utime);
@@ -70,19 +74,20 @@ class Shapes {
 
  private:
   const log::RunLog& log_;
-  const math::Pose X_WO_;
+  const math::Pose X_WO_, X_OP_;
   log::MeshMessage plant_, estimate_;
   log::PlantMotion motion_;
 };
 
 std::optional<math::Vector6d> pose_error(const StudyJob& job, const log::RunLog& log,
-                                         const log::MeshMessage& plant, std::int64_t end) {
+                                         const Shapes& shapes, const math::Pose& X_OP,
+                                         std::int64_t end) {
   if (job.pose_points.empty()) return std::nullopt;
   runs::FeatureDefinition definition;
   definition.kind = "pose";
   definition.rest_points = job.pose_points;
   const runs::FeatureOnPoints feature(definition);
-  const log::PlantPoints points(plant, feature.rest_points());
+  const scores::TruthPoints points(shapes.plant(), shapes.estimate(), feature.rest_points(), X_OP);
   math::Vector6d sum = math::Vector6d::Zero();
   int count = 0;
   for (const shape_t& truth : log.truths) {
@@ -119,8 +124,9 @@ Json json_of(const scores::DistanceSummary& distance) {
 }  // namespace
 
 std::vector<StateScore> score_states(const StudyJob& job, const log::RunLog& log,
-                                     const scores::ShapeScore& shape, const math::Pose& X_WO) {
-  const Shapes shapes(log, X_WO);
+                                     const scores::ShapeScore& shape, const math::Pose& X_WO,
+                                     const math::Pose& X_OP) {
+  const Shapes shapes(log, X_WO, X_OP);
   const std::int64_t start = log.shapes.front().utime;
   std::vector<StateScore> scores;
   for (const StudyState& wanted : states_of(job, shape)) {
@@ -139,7 +145,7 @@ std::vector<StateScore> score_states(const StudyJob& job, const log::RunLog& log
     if (state.shapes.camera)
       state.camera = scores::summarise_distances(
           scores::distances_to_surface(state.shapes.measured, estimate));
-    state.pose_error = pose_error(job, log, shapes.plant(), utime);
+    state.pose_error = pose_error(job, log, shapes, X_OP, utime);
     scores.push_back(std::move(state));
   }
   return scores;

@@ -37,9 +37,11 @@ struct StateScore {
 };
 
 /// Scores the states of a job: those that it names, or the held poses, or (kind control) the end.
-/// X_WO: pose of the object. Throws std::runtime_error if the log ends before a state.
+/// X_WO: pose of the object as palpated is configured; X_OP: pose of the plant's O (P) in that O.
+/// Throws std::runtime_error if the log ends before a state.
 std::vector<StateScore> score_states(const StudyJob& job, const log::RunLog& log,
-                                     const scores::ShapeScore& shape, const math::Pose& X_WO);
+                                     const scores::ShapeScore& shape, const math::Pose& X_WO,
+                                     const math::Pose& X_OP = math::Pose::Identity());
 
 nlohmann::json to_json(const StateScore& state, double length);
 

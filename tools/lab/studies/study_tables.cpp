@@ -1,6 +1,7 @@
 #include "tools/lab/studies/study_tables.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <set>
@@ -19,6 +20,7 @@ struct StateColumn {
   int decimals;
   bool largest = false;  // over the states, instead of the mean
   double scale = 1;
+  bool most_is_best = false;
 };
 
 constexpr StateColumn kShape[] = {
@@ -30,8 +32,8 @@ constexpr StateColumn kShape[] = {
     {"% of side", "max_percent_of_length", 2, true},
     {"% of displ.", "max_percent_of_displacement", 1, true},
     {"Hausdorff mm", "hausdorff_mm", 2, true},
-    {"octree: estimate in truth %", "octree_estimate_in_truth", 1, false, 100},
-    {"truth in estimate %", "octree_truth_in_estimate", 1, false, 100},
+    {"octree: estimate in truth %", "octree_estimate_in_truth", 1, false, 100, true},
+    {"truth in estimate %", "octree_truth_in_estimate", 1, false, 100, true},
     {"pose mm", "pose_mm", 2},
     {"pose deg", "pose_deg", 2}};
 
@@ -44,12 +46,13 @@ struct RunColumn {
   const char* header;
   const char* pointer;
   int decimals;
+  bool most_is_best = false;
 };
 
 constexpr RunColumn kCost[] = {{"p50 us", "/score/loop/latency_us/p50", 0},
                                {"p99 us", "/score/loop/latency_us/p99", 0},
                                {"max us", "/score/loop/latency_us/max", 0},
-                               {"real-time factor", "/simulator/real_time_factor", 2}};
+                               {"real-time factor", "/simulator/real_time_factor", 2, true}};
 
 constexpr RunColumn kControl[] = {
     {"error at rest mm", "/score/feature/error_mm", 2},
@@ -67,7 +70,9 @@ constexpr RunColumn kControl[] = {
      2},
     {"worst point mm", "/score/feature/error_of_the_worst_point_mm", 2}};
 
-using Group = std::vector<const Json*>;  // results that differ only by their seed
+using Group = std::vector<const Json*>;  // results that differ only by their seed or draw
+
+bool is_drawn(const Group& group) { return !group.empty() && group.front()->contains("draw"); }
 
 /// Of one result; `state` empty: over all of them.
 std::vector<double> state_values(const Json& result, const std::string& state, const char* key) {
@@ -89,7 +94,7 @@ std::string cell(const Group& group, const std::string& state, const StateColumn
     const std::vector<double> values = state_values(*result, state, column.key);
     if (!values.empty()) seeds.push_back(column.scale * reduced(values, column.largest));
   }
-  return common::median_and_interval(seeds, column.decimals);
+  return spread(std::move(seeds), column.decimals, is_drawn(group), column.most_is_best);
 }
 
 std::string cell(const Group& group, const RunColumn& column) {
@@ -101,10 +106,9 @@ std::string cell(const Group& group, const RunColumn& column) {
     const Json& value = result->at(pointer);
     value.is_number() ? seeds.push_back(value.get<double>()) : void(++never);
   }
-  if (never == 0) return common::median_and_interval(seeds, column.decimals);
-  if (seeds.empty()) return "never";
-  return common::median_and_interval(seeds, column.decimals) + ", never in " +
-         std::to_string(never);
+  if (never > 0 && seeds.empty()) return "never";
+  const std::string text = spread(seeds, column.decimals, is_drawn(group), column.most_is_best);
+  return never == 0 ? text : text + ", never in " + std::to_string(never);
 }
 
 template <class Columns>
@@ -115,10 +119,10 @@ void add_headers(ReportTable& table, const Columns& columns) {
 void for_each_group(const StudyApplication& application, const std::vector<StudyResult>& results,
                     ReportTable& table,
                     const std::function<void(const Group&, std::vector<std::string>&)>& add_cells) {
-  for (const runs::Mismatch& level : application.levels) {
-    table.rows.push_back({"model error: " + level.name});
+  for (const std::string& level : level_names(application)) {
+    table.rows.push_back({level_title(application, level)});
     for (const runs::Method& method : application.methods) {
-      const Group group = results_of(application, results, method.name, level.name);
+      const Group group = results_of(application, results, method.name, level);
       std::vector<std::string> row{method.name};
       add_cells(group, row);
       row.push_back(std::to_string(group.size()));
@@ -149,7 +153,44 @@ double capped_mean(const StudyResult& result, const char* key, double cap) {
   return sum / static_cast<double>(result.json["states"].size());
 }
 
+/// The share of sorted values, by the nearest rank.
+double quantile(const std::vector<double>& sorted, double share) {
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
 }  // namespace
+
+std::vector<std::string> level_names(const StudyApplication& application) {
+  std::vector<std::string> names;
+  for (const runs::Mismatch& level : application.levels) {
+    const std::string& name = level.family.empty() ? level.name : level.family;
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+std::string level_title(const StudyApplication& application, const std::string& level) {
+  const auto draws =
+      std::count_if(application.levels.begin(), application.levels.end(),
+                    [&level](const runs::Mismatch& other) { return other.family == level; });
+  const std::string title = "model error: " + level;
+  return draws == 0 ? title : title + ", draws: " + std::to_string(draws) + ": median; 90 %; worst";
+}
+
+bool is_of_level(const StudyJob& job, const std::string& level) {
+  return job.mismatch == level || (!job.family.empty() && job.family == level);
+}
+
+std::string spread(std::vector<double> values, int decimals, bool is_drawn, bool most_is_best) {
+  if (!is_drawn || values.empty()) return common::median_and_interval(values, decimals);
+  std::string text = common::number(common::median_of(values).value, decimals);
+  std::sort(values.begin(), values.end());
+  if (most_is_best) std::reverse(values.begin(), values.end());
+  for (const double value : {quantile(values, 0.9), values.back()})
+    text += "; " + common::number(value, decimals);
+  return text;
+}
 
 std::vector<const nlohmann::json*> results_of(const StudyApplication& application,
                                               const std::vector<StudyResult>& results,
@@ -157,7 +198,7 @@ std::vector<const nlohmann::json*> results_of(const StudyApplication& applicatio
   Group group;
   for (const StudyResult& result : results)
     if (result.job.application == application.name && result.job.method == method &&
-        result.job.mismatch == level && !result.json.is_null())
+        is_of_level(result.job, level) && !result.json.is_null())
       group.push_back(&result.json);
   return group;
 }
@@ -179,11 +220,11 @@ ReportTable state_table(const StudyApplication& application,
   ReportTable table{{"method"}, {}};
   add_headers(table, kShape);
   add_headers(table, kPose);
-  for (const runs::Mismatch& level : application.levels) {
+  for (const std::string& level : level_names(application)) {
     for (const std::string& state : state_names(application, results)) {
-      table.rows.push_back({state + ", model error: " + level.name});
+      table.rows.push_back({state + ", " + level_title(application, level)});
       for (const runs::Method& method : application.methods) {
-        const Group group = results_of(application, results, method.name, level.name);
+        const Group group = results_of(application, results, method.name, level);
         std::vector<std::string> row{method.name};
         for (const StateColumn& column : kShape) row.push_back(cell(group, state, column));
         for (const StateColumn& column : kPose) row.push_back(cell(group, state, column));
@@ -207,24 +248,28 @@ ReportTable control_table(const StudyApplication& application,
 ReportTable errors_table(const StudyApplication& application,
                          const std::vector<StudyResult>& results, double cap) {
   ReportTable table{{application.name + ", mean / Hausdorff, mm"}, {}};
-  for (const runs::Mismatch& level : application.levels) table.header.push_back(level.name);
+  const std::vector<std::string> levels = level_names(application);
+  table.header.insert(table.header.end(), levels.begin(), levels.end());
   bool any = false;
   for (const runs::Method& method : application.methods) {
     std::vector<std::string> row{method.name};
-    for (const runs::Mismatch& level : application.levels) {
+    for (const std::string& level : levels) {
       std::vector<double> means, surfaces;
+      bool drawn = false;
       for (const StudyResult& result : results) {
         const StudyJob& job = result.job;
         if (job.application != application.name || job.method != method.name ||
-            job.mismatch != level.name || !(result.failed || result.json.is_object()))
+            !is_of_level(job, level) || !(result.failed || result.json.is_object()))
           continue;
         means.push_back(capped_mean(result, "mean_mm", cap));
         surfaces.push_back(capped_mean(result, "hausdorff_mm", cap));
+        drawn = !job.family.empty();
       }
       any = any || !means.empty();
-      row.push_back(means.empty() ? ""
-                                  : common::number(common::median_of(means).value, 2) + " / " +
-                                        common::number(common::median_of(surfaces).value, 2));
+      const auto text = [drawn](const std::vector<double>& values) {
+        return drawn ? spread(values, 2, true) : common::number(common::median_of(values).value, 2);
+      };
+      row.push_back(means.empty() ? "" : text(means) + " / " + text(surfaces));
     }
     table.rows.push_back(row);
   }

@@ -23,7 +23,23 @@ struct ReportTable {
   std::vector<std::vector<std::string>> rows;  // a row of one cell spans the table as a title
 };
 
-/// Results of an application with one method and model error; they differ by their seed alone.
+/// The model errors of an application as tables list them: all draws of a distribution are one, by
+/// its name (its family).
+std::vector<std::string> level_names(const StudyApplication& application);
+
+/// "model error: all", "model error: calibrated, 100 draws: median; 90 %; worst".
+std::string level_title(const StudyApplication& application, const std::string& level);
+
+/// Whether a job belongs to a level, or to the family of draws of that name.
+bool is_of_level(const StudyJob& job, const std::string& level);
+
+/// Text of a cell: median and its 95 % interval over seeds; over draws "0.52; 0.81; 1.20": median,
+/// the value that 90 % do not exceed, worst. `most_is_best`: the others are below.
+std::string spread(std::vector<double> values, int decimals, bool is_drawn,
+                   bool most_is_best = false);
+
+/// Results of an application with one method and model error (is_of_level()); they differ by their
+/// seed, and for a family by the draw.
 std::vector<const nlohmann::json*> results_of(const StudyApplication& application,
                                               const std::vector<StudyResult>& results,
                                               const std::string& method, const std::string& level);

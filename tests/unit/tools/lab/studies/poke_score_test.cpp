@@ -112,7 +112,7 @@ TEST(PokeTable, CountsPokesOfAllSeedsAndNoneWhereThereAreNoPokes) {
   application.name = "poked";
   application.kind = "force";
   application.methods = {{"filter", {}}};
-  application.levels = {{"none", "", {}, {}}};
+  application.levels = {{"none", "", {}, {}, {}, {}}};
   StudyResult result;
   result.job.application = "poked";
   result.job.method = "filter";

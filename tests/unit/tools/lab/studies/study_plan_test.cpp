@@ -9,6 +9,7 @@
 #include "rt/config/node.hpp"
 #include "tests/unit/tools/lab/studies/study_folder.hpp"
 #include "tools/lab/studies/study_hash.hpp"
+#include "tools/lab/studies/study_tables.hpp"
 
 namespace palpate::studies {
 namespace {
@@ -235,6 +236,57 @@ TEST_F(StudyPlanTest, ErrorsNameFileAndKey) {
   EXPECT_THAT(error_of("[control.gain=0.5]", "[control.gain]"), HasSubstr("key=value"));
   EXPECT_THAT(error_of("name: pull", "name: bar"), HasSubstr("applications.1.name"));
   EXPECT_THAT(error_of("resolution: 0.01", "resolution: 0"), HasSubstr("octree_resolution"));
+}
+
+TEST_F(StudyPlanTest, ADistributionStandsForItsDraws) {
+  std::string text = kPlan;
+  const std::string from = "mismatch: [none, all]";
+  text.replace(text.find(from), from.size(),
+               "mismatch: [none, calibrated, uncalibrated 2]\n    draws: 4\n    draw_seed: 3\n"
+               "    also: {calibrated: ['object.mesh.box.cells=[5, 1, 1]']}");
+  const StudyPlan plan = read(text);
+  const StudyApplication& bar = plan.applications[0];
+  ASSERT_EQ(bar.levels.size(), 1u + 4 + 1);
+  EXPECT_EQ(bar.levels[0].family, "");
+  EXPECT_EQ(bar.levels[4].name, "calibrated 4");
+  EXPECT_EQ(bar.levels[4].family, "calibrated");
+  EXPECT_EQ(bar.levels[4].daemon.back(), "object.mesh.box.cells=[5, 1, 1]");
+  EXPECT_EQ(bar.levels[5].name, "uncalibrated 2");
+  EXPECT_THAT(level_names(bar), testing::ElementsAre("none", "calibrated", "uncalibrated"));
+  std::set<std::string> hashes;
+  const std::vector<StudyJob> jobs = study_jobs(plan, {});
+  ASSERT_EQ(jobs.size(), 2u * 6 * 3 + 1);
+  for (const StudyJob& job : jobs) hashes.insert(hash_of_inputs(job, {}));
+  EXPECT_EQ(hashes.size(), jobs.size());
+  EXPECT_EQ(jobs[2].family, "calibrated");
+  EXPECT_FALSE(jobs[2].drawn.empty());
+}
+
+TEST_F(StudyPlanTest, DrawsReplaceThePlansModelErrors) {
+  LevelSelection selection;
+  selection.levels = {"calibrated"};
+  selection.draws = 2;
+  const StudyPlan plan = read_study_plan(kStudyPlanRoot / "tools/lab/studies/estimate.yaml",
+                                         kStudyPlanRoot, selection);
+  for (const StudyApplication& application : plan.applications) {
+    ASSERT_EQ(application.levels.size(), 2u) << application.name;
+    EXPECT_EQ(application.levels[1].name, "calibrated 2");
+  }
+  selection.draw_seed = 9;
+  EXPECT_NE(
+      read_study_plan(kStudyPlanRoot / "tools/lab/studies/estimate.yaml", kStudyPlanRoot, selection)
+          .applications[0]
+          .levels[0]
+          .scene,
+      plan.applications[0].levels[0].scene);
+}
+
+TEST_F(StudyPlanTest, DrawsThatDoNotExistAreRefused) {
+  for (const char* wrong : {"calibrated 5", "calibrated 0", "calibrate", "calibrated x"})
+    EXPECT_THAT(
+        error_of("mismatch: [none]", "draws: 4\n    mismatch: [" + std::string(wrong) + "]"),
+        HasSubstr(wrong))
+        << wrong;
 }
 
 class StudyHash : public StudyPlanTest {

@@ -56,7 +56,7 @@ StudyReport canned() {
   application.name = kNasty;
   application.kind = "control";
   application.methods = {{"first", {}}, {"second", {}}};
-  application.levels = {{"none", "", {}, {}}};
+  application.levels = {{"none", "", {}, {}, {}, {}}};
   application.published = {{"error of <Fig. 4.15>", "not available"}};
   report.plan.octree_resolution = 0.01;
   report.plan.applications = {application};
@@ -92,6 +92,43 @@ TEST(StudyTables, ByStateTheMethodsStandSideBySide) {
   EXPECT_EQ(table.rows[1][1], "1.50 (1.00 to 2.00)");
   EXPECT_EQ(table.rows[4][1], "4.50 (3.00 to 6.00)");
   EXPECT_EQ(table.rows[1].size(), table.header.size());
+}
+
+/// Ten draws of a distribution, with errors of 1 to 10 mm.
+StudyReport ten_draws() {
+  StudyReport report = canned();
+  StudyApplication& application = report.plan.applications[0];
+  application.levels.clear();
+  report.results.clear();
+  for (int i = 1; i <= 10; ++i) {
+    const std::string name = "calibrated " + std::to_string(i);
+    application.levels.push_back({name, "", {}, {}, "calibrated", {}});
+    StudyResult one = result(kNasty, "first", 1, json::array({state("P1", i)}));
+    one.job.mismatch = name;
+    one.job.family = "calibrated";
+    one.json["draw"] = {{"name", name}};
+    one.json["states"][0]["octree_truth_in_estimate"] = 0.1 * i;
+    report.results.push_back(one);
+  }
+  return report;
+}
+
+TEST(StudyTables, DrawsAreOneRowOfMedianNineTenthsAndWorst) {
+  const StudyReport report = ten_draws();
+  const ReportTable table = summary_table(report.plan.applications[0], report.results);
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_THAT(table.rows[0][0], HasSubstr("calibrated"));
+  EXPECT_EQ(table.rows[1][1], "5.50; 9.00; 10.00");
+  EXPECT_EQ(table.rows[1][10], "55.0; 20.0; 10.0") << "of a share the smallest is the worst";
+  EXPECT_EQ(table.rows[1].back(), "10");
+  const ReportTable states = state_table(report.plan.applications[0], report.results);
+  ASSERT_EQ(states.rows.size(), 3u);
+  EXPECT_EQ(states.rows[1][1], "5.50; 9.00; 10.00");
+  StudyReport capped = ten_draws();
+  for (StudyResult& one : capped.results) one.json["states"][0]["hausdorff_mm"] = 1;
+  const ReportTable errors = errors_table(capped.plan.applications[0], capped.results, 8);
+  ASSERT_EQ(errors.header.size(), 2u);
+  EXPECT_EQ(errors.rows[0][1], "5.50; 8.00; 8.00 / 1.00; 1.00; 1.00");
 }
 
 TEST(StudyTables, ATimeThatNeverCameIsNotANumber) {
