@@ -16,7 +16,7 @@ constexpr double kTestsPerHour = 3600.0 * (kAges.size() + 1);
 constexpr int kConsecutive = 2;     // tests beyond the threshold that begin a discrepancy
 constexpr double kEnded = 0.5;      // fraction of the threshold below which it ends
 constexpr double kEndsAfter = 0.3;  // s
-constexpr double kFar = 1e3;        // decorrelation lengths that no knowledge of errors survives
+constexpr double kForgotten = 1e3;  // decorrelation lengths that no knowledge of errors survives
 constexpr double kRecent = 0.3;     // s, correlation time of the errors of a moving hand
 
 /// Value that a chi-square variable with 6 degrees of freedom exceeds with this probability.
@@ -59,7 +59,7 @@ WrenchConsistency::WrenchConsistency(const elasticity::Body& body, const WrenchS
   }
   deviations.segment<3>(material()) << priors.log_young, options.poisson, options.density;
   prior_.covariance = deviations.cwiseAbs2().asDiagonal();
-  prior_.travel.fill(-kFar);
+  prior_.travel.fill(-kForgotten);
   snapshots_.fill(prior_);
   for (HandData& hand : hands_) hand.H = Rows::Zero(6, states);
   reset();
