@@ -13,11 +13,11 @@ constexpr double kSnapshotPeriod = 0.5;  // s
 constexpr std::array<int, 4> kAges{1, 2, 4, 8};
 /// Tests whose results are nearly independent: one a second for each age and the prior.
 constexpr double kTestsPerHour = 3600.0 * (kAges.size() + 1);
-constexpr int kConsecutive = 2;     // tests beyond the threshold that begin a discrepancy
-constexpr double kEnded = 0.5;      // fraction of the threshold below which it ends
-constexpr double kEndsAfter = 0.3;  // s
-constexpr double kForgotten = 1e3;  // decorrelation lengths that no knowledge of errors survives
-constexpr double kRecent = 0.3;     // s, correlation time of the errors of a moving hand
+constexpr int kConsecutive = 2;        // tests beyond the threshold that begin a discrepancy
+constexpr double kEnded = 0.5;         // fraction of the threshold below which it ends
+constexpr double kEndsAfter = 0.3;     // s
+constexpr double kForgotten = 1e3;     // decorrelation lengths that no knowledge of errors survives
+constexpr double kMotionErrors = 0.3;  // s, correlation time of the errors of a moving hand
 
 /// Value that a chi-square variable with 6 degrees of freedom exceeds with this probability.
 double chi_square_6(double probability) {
@@ -212,7 +212,7 @@ void WrenchConsistency::learn_from_wrenches() noexcept {
     if (!hand.valid) continue;
     const Rows HP = hand.H * now_.covariance;
     // Errors of a moving hand last longer than one update.
-    math::Matrix6d S = hand.R * (kRecent / kPeriod);
+    math::Matrix6d S = hand.R * (kMotionErrors / kPeriod);
     S.noalias() += HP * hand.H.transpose();
     const Eigen::LLT<math::Matrix6d> factor(S);
     if (factor.info() != Eigen::Success) continue;
