@@ -174,7 +174,7 @@ void WrenchConsistency::judge() noexcept {
     if (!hands_[g].valid) continue;
     const auto consider = [&](const Knowledge& knowledge, int age) {
       const Discrepancy found = compare(g, knowledge);
-      // The most recent knowledge that is contradicted tells when it began.
+      // The age of the most recent knowledge that is contradicted bounds the time since it began.
       if (found.test > threshold_ && (back == 0 || age < back)) back = age;
       if (found.test > discrepancy_.test) discrepancy_ = found;
     };
