@@ -4,7 +4,8 @@ namespace palpate::estimation {
 
 LearningGuard::LearningGuard(const elasticity::Body& body, const WrenchSampling& sampling,
                              const WrenchFilter::Options& priors, const Options& options)
-    : test_(body, sampling, priors, options),
+    : is_enabled_(options.enabled),
+      test_(body, sampling, priors, options),
       prior_(static_cast<int>(body.grasps.size()), priors),
       history_(WrenchConsistency::kSnapshots, prior_) {}
 
@@ -16,6 +17,7 @@ void LearningGuard::reset() noexcept {
 bool LearningGuard::permits(const Innovation& now, bool has_contact, FusedState& state,
                             WrenchUpdate& wrenches,
                             const elasticity::DeformationModel& model) noexcept {
+  if (!is_enabled_) return true;
   if (test_.take(now, state, model, !has_contact)) {
     newest_ = (newest_ + 1) % WrenchConsistency::kSnapshots;
     history_[static_cast<std::size_t>(newest_)] = state.filter;

@@ -11,7 +11,9 @@ namespace palpate::estimation {
 /// construction.
 class LearningGuard {
  public:
-  using Options = WrenchConsistency::Options;
+  struct Options : WrenchConsistency::Options {
+    bool enabled = false;  // whether the wrenches are tested at all
+  };
 
   LearningGuard(const elasticity::Body& body, const WrenchSampling& sampling,
                 const WrenchFilter::Options& priors, const Options& options);
@@ -27,6 +29,7 @@ class LearningGuard {
  private:
   void fall_back(const Innovation& now, FusedState& state, WrenchUpdate& wrenches) const noexcept;
 
+  bool is_enabled_;
   WrenchConsistency test_;
   WrenchFilter prior_;
   std::vector<WrenchFilter> history_;  // ring, at the snapshots of the test

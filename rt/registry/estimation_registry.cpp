@@ -158,6 +158,11 @@ OptionTable<estimation::SurfaceFit::Options> surface_fit_options() {
 OptionTable<estimation::LearningGuard::Options> consistency_options() {
   using Options = estimation::LearningGuard::Options;
   return OptionTable<Options>()
+      .flag("consistency_test",
+            "Test whether the wrenches contradict the model; while they do, the estimator is "
+            "degraded and learns nothing. A lasting change, as of the sensor's offset, keeps it so "
+            "until the component is reset",
+            &Options::enabled)
       .number("dimension_error", "",
               "Relative standard deviation of the object's dimensions; for the test of the "
               "wrenches' consistency",

@@ -54,6 +54,7 @@ class Bench {
     world_->set_gravity(nominal_.gravity_O);
     PoseWrenchFilter::Options options;
     options.filter = priors;
+    options.consistency.enabled = true;
     options.payload_error = 0;
     filter_ =
         std::make_unique<PoseWrenchFilter>(nominal_, mesh::extract_surface(nominal_.mesh), options);
@@ -162,7 +163,7 @@ TEST(WrenchConsistency, IsSilentWhileTheModelHolds) {
   int reports = 0;
   double mean = 0;
   int tests = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Bench bench(seed);
     bool before = false;
     for (int i = 0; i < 20000; ++i) {
@@ -175,13 +176,13 @@ TEST(WrenchConsistency, IsSilentWhileTheModelHolds) {
       }
     }
   }
-  std::printf("%d reports in 200 s, mean of the most significant test %.2f\n", reports,
+  std::printf("%d reports in 100 s, mean of the most significant test %.2f\n", reports,
               mean / tests);
   EXPECT_EQ(reports, 0);
 }
 
 TEST(WrenchConsistency, AForceOnTheObjectOfAMovingHandIsReported) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Bench bench(seed);
     bench.run(4.5);
     const double young = bench.estimate_.log_young_modulus;
