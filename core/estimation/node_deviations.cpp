@@ -1,11 +1,43 @@
 #include "core/estimation/node_deviations.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 namespace palpate::estimation {
+namespace {
 
-void NodeDeviations::reset() noexcept { std::fill(deviations_.begin(), deviations_.end(), 0.0F); }
+/// Deviations as fractions of the displacement that explains a contradicting wrench: of all nodes,
+/// and of each node as far as it follows the hand.
+constexpr double kAnywhere = 0.15, kWithHand = 0.3;
+
+}  // namespace
+
+void NodeDeviations::reset() noexcept {
+  std::fill(deviations_.begin(), deviations_.end(), 0.0F);
+  narrow();
+}
+
+void NodeDeviations::widen(int hand, const math::Vector6d& wrench,
+                           const FusedState& state) noexcept {
+  // The least displacement, in units of these, that explains the wrench but for its noise.
+  constexpr double kDistance = 0.1, kAngle = 1;     // m, rad
+  constexpr double kForce = 0.03, kTorque = 0.003;  // N, N m
+  math::Vector6d size, noise;
+  size << Eigen::Vector3d::Constant(kDistance), Eigen::Vector3d::Constant(kAngle);
+  noise << Eigen::Vector3d::Constant(kForce), Eigen::Vector3d::Constant(kTorque);
+  const int offset = state.filter.offset(hand);
+  const math::Matrix6d R = math::both_halves(state.X_OG[static_cast<std::size_t>(hand)].linear());
+  const math::Matrix6d K = state.stiffness() *
+                           state.motion.wrench_by_state().block<6, 6>(offset, offset) *
+                           R.transpose();
+  const math::Matrix6d DK = size.cwiseAbs2().asDiagonal() * K.transpose();
+  math::Matrix6d S = K * DK;
+  S.diagonal() += noise.cwiseAbs2();
+  hand_ = hand;
+  displacement_ = DK * S.ldlt().solve(wrench);
+  if (!displacement_.allFinite()) displacement_.setZero();
+}
 
 void NodeDeviations::update(const FusedState& state,
                             const elasticity::DeformationModel& model) noexcept {
@@ -14,14 +46,17 @@ void NodeDeviations::update(const FusedState& state,
   const SurfaceFit::Basis now = state.basis(model);
   const int columns = filter.has_loads() ? filter.shape_size() : filter.load();
   SurfaceFit::NodeRows rows, J(3, columns), JP(3, columns);
-  const double own = own_ * own_;
+  const double anywhere = kAnywhere * displacement_.head<3>().norm();
+  const double own = own_ * own_ + anywhere * anywhere;
   const int nodes = static_cast<int>(deviations_.size());
   for (int i = 0; i < nodes / 10 + 1; ++i, next_ = (next_ + 1) % nodes) {
     rows.setZero(3, filter.shape_size());
     SurfaceFit::add_node(now, next_, 1, rows);
     J.noalias() = rows * state.motion.by_state().leftCols(columns);
     JP.noalias() = J * filter.covariance().topLeftCorner(columns, columns);
-    const double variance = JP.cwiseProduct(J).sum() / 3 + own;
+    const Eigen::Vector3d with_hand =
+        kWithHand * rows.middleCols<6>(filter.offset(hand_)) * displacement_;
+    const double variance = JP.cwiseProduct(J).sum() / 3 + with_hand.squaredNorm() / 3 + own;
     deviations_[static_cast<std::size_t>(next_)] =
         static_cast<float>(std::sqrt(std::max(0.0, variance)));
   }

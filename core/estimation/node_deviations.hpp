@@ -6,8 +6,9 @@
 
 namespace palpate::estimation {
 
-/// Standard deviations of the positions of all nodes, from the covariance of the fused state and
-/// the local error of the mesh. Nothing allocates after construction.
+/// Standard deviations of the positions of all nodes, from the covariance of the fused state, the
+/// local error of the mesh and, while a hand's wrench contradicts the model, the shape that this
+/// wrench allows. Nothing allocates after construction.
 class NodeDeviations {
  public:
   /// `own`: m, standard deviation of the local error of the mesh, independent of the state.
@@ -15,6 +16,12 @@ class NodeDeviations {
       : own_(own), deviations_(static_cast<std::size_t>(nodes), 0.0F) {}
 
   void reset() noexcept;
+  /// The wrench of a hand differs from its prediction by `wrench`, N and N m, at G in O. The hand
+  /// would have to be displaced by the compliance of the object times this wrench to explain it:
+  /// the difference between the shapes by pose and by wrench bounds the error of the shape.
+  void widen(int hand, const math::Vector6d& wrench, const FusedState& state) noexcept;
+  /// No wrench contradicts the model any more.
+  void narrow() noexcept { displacement_.setZero(); }
   /// Updates one tenth of the nodes. Call once per tick.
   void update(const FusedState& state, const elasticity::DeformationModel& model) noexcept;
   /// m, root mean square over the axes; zero before the first update.
@@ -24,6 +31,9 @@ class NodeDeviations {
   double own_;
   std::vector<float> deviations_;
   int next_ = 0;
+  int hand_ = 0;
+  /// m, rad, in O; displacement of that hand that explains its wrench.
+  math::Vector6d displacement_ = math::Vector6d::Zero();
 };
 
 }  // namespace palpate::estimation

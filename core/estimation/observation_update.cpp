@@ -26,10 +26,12 @@ void ObservationUpdate::update(const ObservationInput& seen, FusedState& state,
                                WrenchUpdate& wrenches, elasticity::DeformationModel& model,
                                double dt) noexcept {
   const bool is_new = seen.freshness == Freshness::kNew;
+  constexpr double kFaded = 1e-9;  // m, rad, 1, N
+  state.shift *= std::exp(-dt / options_.fade);
+  if (state.shift.isZero(kFaded)) state.shift.setZero();
   if (!is_active_ && !is_new) return;
   if (!is_active_) loads_.watch(model);
   is_active_ = true;
-  state.shift *= std::exp(-dt / options_.fade);
   history_.record(model.positions(), state.applied(), dt);
   if (is_new) fit_.begin(seen, history_);
   const elasticity::Sensitivity& sensitivity = model.sensitivity();

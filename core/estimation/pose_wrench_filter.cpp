@@ -9,6 +9,21 @@
 namespace palpate::estimation {
 namespace {
 
+/// By hand and largest normalised component of the wrench.
+constexpr const char* kContradictions[2][6] = {
+    {"the force of hand 0 along x contradicts the model",
+     "the force of hand 0 along y contradicts the model",
+     "the force of hand 0 along z contradicts the model",
+     "the torque of hand 0 about x contradicts the model",
+     "the torque of hand 0 about y contradicts the model",
+     "the torque of hand 0 about z contradicts the model"},
+    {"the force of hand 1 along x contradicts the model",
+     "the force of hand 1 along y contradicts the model",
+     "the force of hand 1 along z contradicts the model",
+     "the torque of hand 1 about x contradicts the model",
+     "the torque of hand 1 about y contradicts the model",
+     "the torque of hand 1 about z contradicts the model"}};
+
 /// Gives a state of a newly reset filter this mean and deviation by an equivalent measurement. A
 /// state that was not observable (negative deviation) or no more certain than the prior keeps most
 /// of the prior's deviation.
@@ -36,6 +51,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       state_(static_cast<int>(body.grasps.size()), options.filter),
       period_(options.period),
       wrenches_(body, options),
+      guard_(body, options, options.filter, options.consistency),
       rest_(options),
       contact_(body, surface, options, options),
       observations_(body, surface, options),
@@ -62,6 +78,7 @@ void PoseWrenchFilter::reset() noexcept {
   step_watch_.reset();
   state_.reset();
   wrenches_.reset();
+  guard_.reset();
   rest_.reset();
   contact_.reset();
   observations_.reset();
@@ -107,7 +124,7 @@ UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   state_.filter.predict(dt);
   predict(inputs, grasps, dt, model);
   rest_.update(inputs.grasps, grasps, dt);
-  if (wrenches_.is_due(dt)) update_wrench(model);
+  if (wrenches_.is_due(dt)) update_wrench(model, result.is_ok());
   observations_.update(inputs.observation, state_, wrenches_, model, dt);
   contact_.advance(dt, state_, wrenches_, model);
   write_estimate(model, grasps, estimate);
@@ -115,6 +132,10 @@ UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   const UpdateResult step = step_watch_.judge(estimate.step, dt);
   if (contact_.detector().is_overdue())
     result = {Status::kDegraded, "nothing explains the wrench of the hand"};
+  if (guard_.test().is_inconsistent()) {
+    const WrenchConsistency::Discrepancy& found = guard_.test().discrepancy();
+    result = {Status::kDegraded, kContradictions[found.hand][found.axis]};
+  }
   return step.is_ok() ? result : step;
 }
 
@@ -144,17 +165,22 @@ void PoseWrenchFilter::predict(const EstimationInputs& inputs, int grasps, doubl
       continue;
     }
     math::Vector6d wrench = state_.stiffness() * model.reaction(i).vector();
-    if (observations_.is_active()) wrench -= state_.wrench_of_shift(i, model);
+    if (observations_.is_active() || !state_.shift.isZero(0))
+      wrench -= state_.wrench_of_shift(i, model);
     wrenches_.predict(i, wrench, state_.X_OG[i], inputs.grasps[i], dt);
   }
 }
 
-void PoseWrenchFilter::update_wrench(const elasticity::DeformationModel& model) noexcept {
+/// `follows`: whether the model is held at the poses of the hands.
+void PoseWrenchFilter::update_wrench(const elasticity::DeformationModel& model,
+                                     bool follows) noexcept {
   const Innovation now = wrenches_.take_innovation(state_, model);
   if (now.y.size() == 0) return;
   const bool has_moved = rest_.rest_time() < period_;  // since the last wrench update
   if (has_moved) contact_.restart(state_, wrenches_, model);
   if (rest_.is_at_rest()) wrenches_.baseline().accumulate(now);
+  const bool has_contact = contact_.detector().state() != ContactDetector::State::kNone;
+  const bool may_learn = !follows || guard_.permits(now, has_contact, state_, wrenches_, model);
   if (contact_.detector().has_contact()) {
     contact_.track(now, state_, wrenches_);
     return;
@@ -162,7 +188,7 @@ void PoseWrenchFilter::update_wrench(const elasticity::DeformationModel& model) 
   if (wrenches_.test(now, state_) < 0) return;
   if (contact_.detect(now, state_, wrenches_)) return;
   if (rest_.is_at_rest()) wrenches_.baseline().extend(now);
-  if (wrenches_.passes(now, state_)) wrenches_.correct(now, state_);
+  if (may_learn && wrenches_.passes(now, state_)) wrenches_.correct(now, state_);
 }
 
 void PoseWrenchFilter::write_estimate(const elasticity::DeformationModel& model, int grasps,
@@ -188,6 +214,11 @@ void PoseWrenchFilter::write_estimate(const elasticity::DeformationModel& model,
   estimate.poisson_ratio = model.body().material.poisson_ratio;
   estimate.innovation_test = wrenches_.innovation_test();
   estimate.unknown_contact = contact_.estimate(filter, model);
+  const WrenchConsistency& test = guard_.test();
+  if (test.is_inconsistent())
+    node_deviations_.widen(test.discrepancy().hand, test.discrepancy().wrench, state_);
+  else
+    node_deviations_.narrow();
   node_deviations_.update(state_, model);
   estimate.node_deviation = &node_deviations_.values();
 }

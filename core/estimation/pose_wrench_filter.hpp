@@ -2,6 +2,7 @@
 
 #include "core/estimation/contact_tracker.hpp"
 #include "core/estimation/hand_follower.hpp"
+#include "core/estimation/learning_guard.hpp"
 #include "core/estimation/node_deviations.hpp"
 #include "core/estimation/observation_update.hpp"
 #include "core/estimation/rest_detector.hpp"
@@ -40,6 +41,7 @@ class PoseWrenchFilter : public Estimator {
     HandFollower::Options hand;
     StepWatch::Options step;
     WrenchFilter::Options filter;
+    LearningGuard::Options consistency;
   };
 
   /// Throws std::invalid_argument if an option is out of range.
@@ -55,13 +57,14 @@ class PoseWrenchFilter : public Estimator {
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
 
   const WrenchFilter& filter() const noexcept { return state_.filter; }
+  const WrenchConsistency& consistency() const noexcept { return guard_.test(); }
 
  private:
   UpdateResult set_boundary(const EstimationInputs& inputs, int grasps, double dt,
                             elasticity::DeformationModel& model) noexcept;
   void predict(const EstimationInputs& inputs, int grasps, double dt,
                const elasticity::DeformationModel& model) noexcept;
-  void update_wrench(const elasticity::DeformationModel& model) noexcept;
+  void update_wrench(const elasticity::DeformationModel& model, bool follows) noexcept;
   void write_estimate(const elasticity::DeformationModel& model, int grasps,
                       Estimate& estimate) noexcept;
 
@@ -71,6 +74,7 @@ class PoseWrenchFilter : public Estimator {
   FusedState state_;
   double period_;  // s, between two wrench updates
   WrenchUpdate wrenches_;
+  LearningGuard guard_;
   RestDetector rest_;
   ContactTracker contact_;
   ObservationUpdate observations_;

@@ -33,8 +33,11 @@ inline constexpr int kHandRows = 6;
 struct Innovation {
   std::array<bool, 2> held{};
   WrenchFilter::Rows H;
-  WrenchFilter::Wrenches y;         // measured minus predicted
-  WrenchFilter::Noise R;            // covariance of y's noise
+  WrenchFilter::Wrenches y;   // measured minus predicted
+  WrenchFilter::Noise R;      // covariance of y's noise and of the model error
+  WrenchFilter::Noise noise;  // covariance of y's noise alone, including that of moving hands
+  /// Motion of each hand since the last update, in distances that decorrelate the model error.
+  std::array<double, 2> travel{};
   WrenchFilter::Wrenches measured;  // mean measured wrenches
 
   double rows() const noexcept { return static_cast<double>(y.size()); }

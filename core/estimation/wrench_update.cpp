@@ -55,10 +55,11 @@ void WrenchUpdate::predict(int grasp, const math::Vector6d& wrench, const math::
   speed << (X_OG.translation() - hand.X_OG_before.translation()) / dt,
       math::log_rotation(X_OG.linear() * hand.X_OG_before.linear().transpose()) / dt;
   hand.X_OG_before = X_OG;
-  hand.information_gain = std::min(
-      1.0, hand.information_gain + dt * (speed.head<3>().norm() / options_.decorrelation_distance +
-                                         speed.tail<3>().norm() / options_.decorrelation_angle +
-                                         1 / options_.correlation));
+  const double travel =
+      dt * (speed.head<3>().norm() / options_.decorrelation_distance +
+            speed.tail<3>().norm() / options_.decorrelation_angle + 1 / options_.correlation);
+  hand.travel += travel;
+  hand.information_gain = std::min(1.0, hand.information_gain + travel);
   const double share = 1 - std::exp(-dt / options_.lag);
   hand.lagged += share * (wrench - hand.lagged);
   const math::Vector6d faster = share * (speed - hand.speed);
@@ -125,6 +126,11 @@ void WrenchUpdate::add_noise(int grasp, int row, const math::Vector6d& late,
   innovation.R.diagonal().segment<3>(row + 3).setConstant(
       Eigen::Vector3d(options_.torque, torque, inertial[1]).squaredNorm());
   innovation.R.block<6, 6>(row, row) += late * late.transpose();
+  innovation.noise.diagonal().segment<3>(row).setConstant(
+      Eigen::Vector2d(options_.force, inertial[0]).squaredNorm());
+  innovation.noise.diagonal().segment<3>(row + 3).setConstant(
+      Eigen::Vector2d(options_.torque, inertial[1]).squaredNorm());
+  innovation.noise.block<6, 6>(row, row) += late * late.transpose();
 }
 
 Innovation WrenchUpdate::take_innovation(const FusedState& state,
@@ -140,10 +146,12 @@ Innovation WrenchUpdate::take_innovation(const FusedState& state,
   }
   result.H = state.wrench_rows(result.held, model);
   result.y = WrenchFilter::Wrenches::Zero(rows);
-  result.R = WrenchFilter::Noise::Zero(rows, rows);
+  result.R = result.noise = WrenchFilter::Noise::Zero(rows, rows);
   result.measured = WrenchFilter::Wrenches::Zero(rows);
   for (int g = 0, row = 0; g < filter.grasp_count(); ++g) {
     Hand& hand = hands_[g];
+    result.travel[g] = hand.travel;
+    hand.travel = 0;
     if (!result.held[g]) continue;
     math::Vector6d late = math::Vector6d::Zero();
     for (int other = 0; other < filter.grasp_count(); ++other) {

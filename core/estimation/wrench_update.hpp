@@ -83,6 +83,7 @@ class WrenchUpdate {
     bool known = false;
     /// Information of the next wrenches: 1 for independent ones, 0 for fully correlated ones.
     double information_gain = 1;
+    double travel = 0;  // since the last update, in distances that decorrelate the model error
   };
   /// Fraction of the information that one update absorbs, at most 1.
   double absorbed() const noexcept;

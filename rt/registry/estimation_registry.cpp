@@ -155,6 +155,32 @@ OptionTable<estimation::SurfaceFit::Options> surface_fit_options() {
                &Options::points_per_tick);
 }
 
+OptionTable<estimation::LearningGuard::Options> consistency_options() {
+  using Options = estimation::LearningGuard::Options;
+  return OptionTable<Options>()
+      .flag("consistency_test",
+            "Test whether the wrenches contradict the model; while they do, the estimator is "
+            "degraded and learns nothing. A lasting change, as of the sensor's offset, keeps it so "
+            "until the component is reset",
+            &Options::enabled)
+      .number("dimension_error", "",
+              "Relative standard deviation of the object's dimensions; for the test of the "
+              "wrenches' consistency",
+              {0, 1}, &Options::dimensions)
+      .number("poisson_ratio_deviation", "",
+              "Standard deviation of Poisson's ratio; for the same test", {0, 0.5},
+              &Options::poisson)
+      .number("density_error", "", "Relative standard deviation of the density; for the same test",
+              {0, 1}, &Options::density)
+      .number("pose_dependent_error", "",
+              "Relative standard deviation of the error of the predicted wrench that varies with "
+              "the hand's pose, as by uneven stiffness; for the same test",
+              {0, 1}, &Options::pose_error)
+      .number("false_alarms_per_hour", "1/h",
+              "Rate of false alarms per hand of the test of the wrenches' consistency", {1e-3, 100},
+              &Options::false_alarms);
+}
+
 OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
   using Options = PoseWrenchFilter::Options;
   return OptionTable<Options>()
@@ -181,6 +207,7 @@ OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
       .number("innovation_gate", "",
               "Normalised square of the innovation of a hand above which it is rejected", {6, 1e6},
               &Options::gate)
+      .part(consistency_options(), &Options::consistency)
       .part(contact_search_options(), &Options::search)
       .part(surface_fit_options(), &Options::observation)
       .number("shape_deviation", "m",
