@@ -28,6 +28,10 @@ std::string file_name(const std::string& title) {
   return name;
 }
 
+nlohmann::json or_null(const std::optional<double>& value, double scale) {
+  return value ? nlohmann::json(scale * *value) : nlohmann::json();
+}
+
 void write_json(const nlohmann::json& json, const std::filesystem::path& file) {
   if (file == "-") {
     std::cout << json.dump(2) << '\n' << std::flush;

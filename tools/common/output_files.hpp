@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 namespace palpate::common {
@@ -15,6 +16,9 @@ std::string file_name(const std::string& title);
 
 /// Throws std::runtime_error if the file cannot be written.
 void write_json(const nlohmann::json& json, const std::filesystem::path& file);
+
+/// `scale` times the value; null for none.
+nlohmann::json or_null(const std::optional<double>& value, double scale = 1);
 
 /// A folder for the files of one run, removed with its content at the end.
 class TemporaryFolder {

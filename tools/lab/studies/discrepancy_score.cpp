@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "tools/common/output_files.hpp"
 #include "tools/lab/scores/shape_score.hpp"
 #include "tools/lab/scores/truth_points.hpp"
 
@@ -157,10 +158,6 @@ class Scoring {
   DiscrepancyScore score_;
 };
 
-Json or_null(const std::optional<double>& value, double scale = 1) {
-  return value ? Json(scale * *value) : Json();
-}
-
 }  // namespace
 
 std::vector<DoubtReport> doubt_reports(const log::RunLog& log) {
@@ -198,19 +195,20 @@ DiscrepancyScore score_discrepancy(const DiscrepancyWorld& world, const log::Run
 }
 
 nlohmann::json to_json(const DiscrepancyScore& score) {
-  return {{"onset_s", or_null(score.onset)},
-          {"end_s", or_null(score.end)},
-          {"mean_error_passed_s", or_null(score.mean_passed)},
-          {"largest_error_passed_s", or_null(score.largest_passed)},
+  return {{"onset_s", common::or_null(score.onset)},
+          {"end_s", common::or_null(score.end)},
+          {"mean_error_passed_s", common::or_null(score.mean_passed)},
+          {"largest_error_passed_s", common::or_null(score.largest_passed)},
           {"mean_error_mm", 1e3 * score.mean_error},
           {"largest_error_mm", 1e3 * score.largest_error},
-          {"reported_s", or_null(score.reported)},
+          {"reported_s", common::or_null(score.reported)},
           {"reason", score.reason},
           {"false_report", score.false_report},
-          {"covered_while_reported_percent", or_null(score.covered, 100)},
-          {"covered_while_wrong_and_unreported_percent", or_null(score.covered_unreported, 100)},
-          {"recovered_s", or_null(score.recovered)},
-          {"cleared_s", or_null(score.cleared)}};
+          {"covered_while_reported_percent", common::or_null(score.covered, 100)},
+          {"covered_while_wrong_and_unreported_percent",
+           common::or_null(score.covered_unreported, 100)},
+          {"recovered_s", common::or_null(score.recovered)},
+          {"cleared_s", common::or_null(score.cleared)}};
 }
 
 }  // namespace palpate::studies

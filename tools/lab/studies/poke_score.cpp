@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "tools/common/output_files.hpp"
 #include "tools/lab/scores/belief_score.hpp"
 #include "tools/log/plant_truth.hpp"
 
@@ -168,10 +169,6 @@ bool is_poked(const std::vector<scenes::Poke>& pokes, double time) {
   });
 }
 
-Json or_null(const std::optional<double>& value, double scale = 1) {
-  return value ? Json(scale * *value) : Json();
-}
-
 Json json_of(const std::optional<PokeScore::Error>& error, double length) {
   if (!error) return {};
   return {{"mean_percent_of_length", 100 * error->mean / length},
@@ -212,12 +209,12 @@ nlohmann::json to_json(const PokeScores& scores, double length) {
     const Vector3d &point = score.poke.point, &force = score.poke.force;
     json["each"].push_back({{"point_m", {point.x(), point.y(), point.z()}},
                             {"force_n", {force.x(), force.y(), force.z()}},
-                            {"felt_ms", or_null(score.felt, 1e3)},
-                            {"found_ms", or_null(score.found, 1e3)},
-                            {"gone_ms", or_null(score.gone, 1e3)},
-                            {"place_mm", or_null(score.place, 1e3)},
-                            {"force_off_n", or_null(score.force)},
-                            {"observable", or_null(score.observable)},
+                            {"felt_ms", common::or_null(score.felt, 1e3)},
+                            {"found_ms", common::or_null(score.found, 1e3)},
+                            {"gone_ms", common::or_null(score.gone, 1e3)},
+                            {"place_mm", common::or_null(score.place, 1e3)},
+                            {"force_off_n", common::or_null(score.force)},
+                            {"observable", common::or_null(score.observable)},
                             {"before", json_of(score.before, length)},
                             {"largest", json_of(score.largest, length)},
                             {"half_second", json_of(score.half_second, length)},

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Levels = std::vector<runs::Mismatch>;
 
-std::string text_of(double value) { return common::formatted("%.4g", value); }
+std::string rounded(double value) { return common::formatted("%.4g", value); }
 
 /// One row per parameter, over all draws.
 void print_parameters(const Levels& levels, std::ostream& out) {
@@ -32,9 +32,9 @@ void print_parameters(const Levels& levels, std::ostream& out) {
       greatest = std::max(greatest, value);
     }
     const runs::DrawnValue& first = levels.front().drawn[p];
-    table.add({first.parameter, first.unit, text_of(sum),
-               text_of(std::sqrt(std::max(0.0, squares - sum * sum))), text_of(least),
-               text_of(greatest)});
+    table.add({first.parameter, first.unit, rounded(sum),
+               rounded(std::sqrt(std::max(0.0, squares - sum * sum))), rounded(least),
+               rounded(greatest)});
   }
   table.print(out);
 }
@@ -42,7 +42,7 @@ void print_parameters(const Levels& levels, std::ostream& out) {
 void print_draw(const runs::Mismatch& level, std::ostream& out) {
   common::Table table({"parameter", "unit", level.name});
   for (const runs::DrawnValue& value : level.drawn)
-    table.add({value.parameter, value.unit, text_of(value.value)});
+    table.add({value.parameter, value.unit, rounded(value.value)});
   table.print(out);
   out << "\nof the scene:\n";
   for (const std::string& setting : level.scene) out << "  --set '" << setting << "'\n";

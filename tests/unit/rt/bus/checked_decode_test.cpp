@@ -92,7 +92,7 @@ void put(List& list, std::int32_t& count, const List& content) {
 }
 
 template <class Into>
-bool read(const std::vector<std::uint8_t>& data, Into& into) {
+bool decodes(const std::vector<std::uint8_t>& data, Into& into) {
   return decode(into, data.data(), static_cast<int>(data.size()));
 }
 
@@ -148,7 +148,7 @@ shape_mesh_v1_t former_mesh() {
 
 TEST(FormerTypes, HealthIsReadUnderItsNewNames) {
   health_t health;
-  ASSERT_TRUE(read(encoded(former_health()), health));
+  ASSERT_TRUE(decodes(encoded(former_health()), health));
   expect_stamped(health);
   EXPECT_EQ(health.cycles, 7);
   EXPECT_EQ(health.gate_limited, 8);
@@ -160,7 +160,7 @@ TEST(FormerTypes, HealthIsReadUnderItsNewNames) {
 
 TEST(FormerTypes, ShapesAreOneChunkOfCornerNodes) {
   shape_t shape;
-  ASSERT_TRUE(read(encoded(former_shape()), shape));
+  ASSERT_TRUE(decodes(encoded(former_shape()), shape));
   expect_stamped(shape);
   EXPECT_EQ(shape.mesh_hash, 77);
   EXPECT_EQ(shape.status, shape_t::STATUS_NOT_CONVERGED);
@@ -175,7 +175,7 @@ TEST(FormerTypes, ShapesAreOneChunkOfCornerNodes) {
 
 TEST(FormerTypes, MeshesKeepTheirElementsOfCornerNodes) {
   shape_mesh_t mesh;
-  ASSERT_TRUE(read(encoded(former_mesh()), mesh));
+  ASSERT_TRUE(decodes(encoded(former_mesh()), mesh));
   expect_stamped(mesh);
   EXPECT_EQ(mesh.mesh_hash, 77);
   EXPECT_EQ(mesh.element_kind, shape_mesh_t::QUADRATIC_TETRAHEDRA);
@@ -191,13 +191,13 @@ TEST(FormerTypes, MeshesKeepTheirElementsOfCornerNodes) {
 
 TEST(FormerTypes, OtherTypesAreNotDecoded) {
   shape_t shape;
-  EXPECT_FALSE(read(encoded(former_mesh()), shape));
+  EXPECT_FALSE(decodes(encoded(former_mesh()), shape));
   health_t health;
-  EXPECT_FALSE(read(encoded(stamped<imu_t>()), health));
+  EXPECT_FALSE(decodes(encoded(stamped<imu_t>()), health));
   std::vector<std::uint8_t> data = encoded(former_shape());
-  EXPECT_TRUE(read(data, shape));
+  EXPECT_TRUE(decodes(data, shape));
   data.resize(data.size() - 4);
-  EXPECT_FALSE(read(data, shape));
+  EXPECT_FALSE(decodes(data, shape));
 }
 
 }  // namespace

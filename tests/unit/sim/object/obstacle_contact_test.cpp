@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity = 9.81;
+constexpr double kEarth = 9.81;
 
 ObstacleOptions plane(const Vector3d& point, const Vector3d& normal, double friction = 0.5) {
   ObstacleOptions options;
@@ -46,11 +46,11 @@ Vector3d velocity_of_centre(const HyperelasticPlant& plant) {
 
 TEST(Obstacle, PlaneBearsTheWeightOfABlockThatLiesOnIt) {
   PlantOptions options = block_on_table();
-  options.gravity_O = {0, 0, -kGravity};
+  options.gravity_O = {0, 0, -kEarth};
   HyperelasticPlant plant(options);
   EXPECT_TRUE(plant.settle(20, 1e-5).converged);
   plant.step(1e-3);
-  const double weight = kGravity * plant.nodal_masses().sum();
+  const double weight = kEarth * plant.nodal_masses().sum();
   const ObstacleTouch& touch = plant.obstacle(0).touch();
   EXPECT_TRUE(touch.touching);
   EXPECT_NEAR(touch.wrench.force.z(), weight, 1e-3 * weight);
@@ -67,7 +67,7 @@ TEST(Obstacle, FrictionHoldsUpToItsLimitAndThenTheBlockSlides) {
   for (const double slope : {0.4, 0.7}) {
     PlantOptions options = block_on_table(kFriction);
     const double angle = std::atan(slope);
-    options.gravity_O = kGravity * Vector3d(std::sin(angle), 0, -std::cos(angle));
+    options.gravity_O = kEarth * Vector3d(std::sin(angle), 0, -std::cos(angle));
     options.mass_damping = slope < kFriction ? 5 : 0;
     HyperelasticPlant plant(options);
     if (slope < kFriction) {
@@ -76,7 +76,7 @@ TEST(Obstacle, FrictionHoldsUpToItsLimitAndThenTheBlockSlides) {
     const Eigen::Matrix3Xd start = plant.positions();
     for (int i = 0; i < 500; ++i) plant.step(1e-3);
     const double speed = velocity_of_centre(plant).x();
-    const double normal = kGravity * std::cos(angle);
+    const double normal = kEarth * std::cos(angle);
     if (slope < kFriction) {
       EXPECT_LT(std::abs(speed), 1e-4);
       EXPECT_LT((plant.positions() - start).cwiseAbs().maxCoeff(), 1e-5);
@@ -124,13 +124,13 @@ TEST(Obstacle, TwoPlanesCompressABlockUniformly) {
   EXPECT_LT((plant.positions().row(2) - expected).cwiseAbs().maxCoeff(), 2e-6);
 }
 
-PlantOptions bar() {
+PlantOptions bar_under_gravity() {
   PlantOptions options;
   options.clamp = face_x(0);
   options.elements = {12, 2, 1};
   options.grasps = {
       hold(face_x(0.5), math::make_pose(Eigen::Matrix3d::Identity(), {0.5, 0.03, 0.03}))};
-  options.gravity_O = {0, 0, -kGravity};
+  options.gravity_O = {0, 0, -kEarth};
   options.mass_damping = 20;
   return options;
 }
@@ -157,7 +157,7 @@ math::Vector6d weight(const HyperelasticPlant& plant, const Vector3d& gravity) {
 TEST(Obstacle, BarPressedOverACylinderIsInEquilibrium) {
   math::Vector6d contact = math::Vector6d::Zero(), holds[2], weights[2];
   for (const bool present : {false, true}) {
-    PlantOptions options = bar();
+    PlantOptions options = bar_under_gravity();
     if (present) {
       ObstacleOptions cylinder;
       cylinder.shape = Cylinder{{0.22, 0.03, -0.04}, {0.2, 1, 0}, 0.03};
@@ -259,7 +259,7 @@ TEST(Obstacle, CylinderHasRoundSideAndFlatEnds) {
 
 TEST(Obstacle, LeavesNoTraceBehindAndRunsAreBitEqual) {
   const auto run = [] {
-    PlantOptions options = bar();
+    PlantOptions options = bar_under_gravity();
     options.gravity_O.setZero();
     options.obstacles = {plane({0, 0, -0.01}, Vector3d::UnitZ())};
     HyperelasticPlant plant(options);
@@ -283,7 +283,7 @@ TEST(Obstacle, LeavesNoTraceBehindAndRunsAreBitEqual) {
 
 TEST(Obstacle, OutOfReachItChangesNothing) {
   const auto run = [](bool present) {
-    PlantOptions options = bar();
+    PlantOptions options = bar_under_gravity();
     if (present) options.obstacles = {plane({0, 0, -0.5}, Vector3d::UnitZ())};
     HyperelasticPlant plant(options);
     for (int i = 0; i < 100; ++i) plant.step(1e-3);

@@ -75,7 +75,7 @@ TEST(Obstacles, WorldWithEverythingIsInEquilibrium) {
               "object.stiffness_field={deviation: 0.3, length: 0.1, seed: 4}",
               "object.material.regions=[{box: {lower: [0, 0, 0], upper: [0.25, 1, 1]}, factor: 3}]",
               "obstacles=[{plane: {point: [0, 0, -0.02], normal: [0, 0.1, 1]}, damping: 5}, "
-              "{cylinder: {point: [0.2, 0.09, 0], axis: [0, 0, 1], radius: 0.02}}]",
+              "{cylinder: {point: [0.2, 0.083, 0], axis: [0, 0, 1], radius: 0.02}}]",
               "pokes=[{at: 0.2, duration: 1e5, point: [0.3, 0.03, 0.06], mass: 0.02}]",
               "slips=[{at: 1, duration: 0.5, translation: [0.006, 0, 0]}]",
               "motion={poses: [{move: 1.5, hold: 10, translation: [-0.01, 0.02, -0.03], "
@@ -88,7 +88,7 @@ TEST(Obstacles, WorldWithEverythingIsInEquilibrium) {
   for (int i = 0; i < 2; ++i) {
     const math::Vector6d contact = plant.obstacle(i).mean_wrench().vector();
     EXPECT_GT(contact.head<3>().norm(), 0.02) << i;
-    EXPECT_LT(plant.obstacle(i).touch().depth, 2e-4) << i;
+    EXPECT_LT(plant.obstacle(i).touch().depth, 5e-4) << i;  // on an edge of the bar
     sum += contact;
     scale += contact.head<3>().norm();
   }

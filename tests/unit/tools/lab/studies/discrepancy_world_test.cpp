@@ -18,14 +18,14 @@ namespace {
 using Eigen::Vector3d;
 using testing::HasSubstr;
 
-const std::filesystem::path kRoot = PALPATE_SOURCE_DIR;
+const std::filesystem::path kSource = PALPATE_SOURCE_DIR;
 
 DiscrepancyPlan shipped() {
-  return read_discrepancy_plan(kRoot / "tools/lab/studies/discrepancies.yaml", kRoot);
+  return read_discrepancy_plan(kSource / "tools/lab/studies/discrepancies.yaml", kSource);
 }
 
 std::vector<DiscrepancyWorld> worlds(const std::string& set, int count, int seed = 1) {
-  return make_worlds(shipped(), set, count, seed, "none", kRoot);
+  return make_worlds(shipped(), set, count, seed, "none", kSource);
 }
 
 /// What an override sets, as a document of its own.
@@ -145,8 +145,8 @@ TEST(DiscrepancyWorlds, ScenesOfMotionAndWeightAreRead) {
 
 TEST(DiscrepancyWorlds, ModelErrorsAreDrawnBesides) {
   const DiscrepancyPlan plan = shipped();
-  const auto drawn = make_worlds(plan, "scoring", 5, 1, "uncalibrated", kRoot),
-             exact = make_worlds(plan, "scoring", 5, 1, "none", kRoot);
+  const auto drawn = make_worlds(plan, "scoring", 5, 1, "uncalibrated", kSource),
+             exact = make_worlds(plan, "scoring", 5, 1, "none", kSource);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     EXPECT_EQ(drawn[i].name, exact[i].name);
     EXPECT_GT(drawn[i].drawn.size(), exact[i].drawn.size() + 20);
@@ -158,14 +158,14 @@ TEST(DiscrepancyWorlds, ModelErrorsAreDrawnBesides) {
 
 TEST(DiscrepancyPlan, ErrorsNameFileAndKey) {
   const StudyFolder folder;
-  std::ifstream in(kRoot / "tools/lab/studies/discrepancies.yaml");
+  std::ifstream in(kSource / "tools/lab/studies/discrepancies.yaml");
   const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   const auto error_of = [&](const std::string& from, const std::string& to) -> std::string {
     std::string changed = text;
     EXPECT_NE(changed.find(from), std::string::npos) << from;
     changed.replace(changed.find(from), from.size(), to);
     try {
-      read_discrepancy_plan(folder.write("plan.yaml", changed), kRoot);
+      read_discrepancy_plan(folder.write("plan.yaml", changed), kSource);
     } catch (const config::Error& error) {
       return error.what();
     }

@@ -12,13 +12,13 @@
 namespace palpate::studies {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
 constexpr const char* kNasty = "a <script>\"b\" & 'c', d";
 
-json state(const std::string& name, double mean) {
+Json state(const std::string& name, double mean) {
   return {{"name", name},
           {"mean_mm", mean},
           {"max_mm", 2 * mean},
@@ -28,7 +28,7 @@ json state(const std::string& name, double mean) {
 }
 
 StudyResult result(const std::string& application, const std::string& method, int seed,
-                   const json& states) {
+                   const Json& states) {
   StudyResult result;
   result.job.name = "job_" + std::to_string(seed);
   result.job.application = application;
@@ -62,8 +62,8 @@ StudyReport canned() {
   report.plan.applications = {application};
   report.results = {result(kNasty, "first", 1, {state("P1", 1.0), state("P2", 3.0)}),
                     result(kNasty, "first", 2, {state("P1", 2.0), state("P2", 6.0)}),
-                    result(kNasty, "second", 1, json::array())};
-  report.results[2].json = json();
+                    result(kNasty, "second", 1, Json::array())};
+  report.results[2].json = Json();
   report.failures = {"job_3: exit code 1:\n<b>what happened</b>"};
   report.host = describe_host();
   return report;
@@ -103,7 +103,7 @@ StudyReport ten_draws() {
   for (int i = 1; i <= 10; ++i) {
     const std::string name = "calibrated " + std::to_string(i);
     application.levels.push_back({name, "", {}, {}, "calibrated", {}});
-    StudyResult one = result(kNasty, "first", 1, json::array({state("P1", i)}));
+    StudyResult one = result(kNasty, "first", 1, Json::array({state("P1", i)}));
     one.job.mismatch = name;
     one.job.family = "calibrated";
     one.json["draw"] = {{"name", name}};
@@ -189,7 +189,7 @@ TEST(StudyOverview, ALineARunOfWhatItScored) {
 TEST(StudyTables, AFailedReplayCountsAtTheCapWhichIsTheMostOfAny) {
   StudyReport report = canned();
   for (StudyResult& result : report.results)
-    for (json& state : result.json["states"]) state["hausdorff_mm"] = 100;
+    for (Json& state : result.json["states"]) state["hausdorff_mm"] = 100;
   report.results[2] = {report.results[2].job, {}, true};
   const ReportTable table = errors_table(report.plan.applications[0], report.results, 42);
   ASSERT_EQ(table.rows.size(), 2u);
@@ -228,7 +228,7 @@ TEST(StudyPage, WithoutItTheNumbersAreComplete) {
   EXPECT_THAT(said, HasSubstr("report_study"));
   EXPECT_THAT(said, HasSubstr("runs.csv, states.csv and thesis.json are complete"));
   EXPECT_FALSE(std::filesystem::exists(folder.file("out/report.html")));
-  const json written = json::parse(folder.read("out/thesis.json"));
+  const Json written = Json::parse(folder.read("out/thesis.json"));
   EXPECT_EQ(written["runs"].size(), 2u);
   EXPECT_EQ(written["published"][0]["value"], "not available");
   EXPECT_EQ(written["failures"].size(), 1u);
