@@ -99,7 +99,7 @@ DrawsCommand::DrawsCommand(CLI::App& app)
       ->add_option("--scene", scene_, "scene (default: sim/scenes/bar_long_soft_six_poses.yaml)")
       ->check(CLI::ExistingFile);
   command_
-      ->add_option("--configuration", configuration_,
+      ->add_option("--config", configuration_,
                    "configuration of palpated (default: rt/config/examples/bar_long_soft.yaml)")
       ->check(CLI::ExistingFile);
   command_->add_option("--csv", csv_, "file for the draws, one row each");
