@@ -2,6 +2,7 @@
 
 #include "core/contact/force_transformer.hpp"
 #include "core/elasticity/deformation_model.hpp"
+#include "core/estimation/discrepancy_report.hpp"
 #include "core/math/update_result.hpp"
 #include "core/sensing/sensor_model.hpp"
 
@@ -74,6 +75,8 @@ struct Estimate {
   /// Standard deviation of each mesh node's position, m, root mean square over the axes; nullptr:
   /// not estimated.
   const std::vector<float>* node_deviation = nullptr;
+  /// Consistency of the wrenches with the model; nullptr: not tested.
+  const DiscrepancyReport* discrepancy = nullptr;
 
   /// Part of the estimate that is handed to a replacement estimator: poses and wrenches of the
   /// hands. Excludes quantities specific to this estimator and pointers into its memory.
