@@ -101,6 +101,7 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
       unknown_(control, channel::kUnknownContact, bus::Urgency::kLater),
       estimate_(control, channel::kEstimate, bus::Urgency::kLater),
       feature_(control, channel::kFeature, bus::Urgency::kLater),
+      discrepancy_(control, session),
       mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
   for (int arm = 0; arm < pipeline.arm_count(); ++arm)
     commands_.emplace_back(control, kCommandChannels[arm], session, access);
@@ -181,6 +182,7 @@ void Telemetry::publish_state(const pipeline::Pipeline& pipeline, std::int64_t u
   estimate_message_.unknown_contact_deviation = unknown.deviation;
   estimate_.publish(estimate_message_);
   publish_unknown_contact(unknown, utime);
+  discrepancy_.publish(estimate.discrepancy, estimate_message_.grasp_count, utime);
 
   const pipeline::FeatureState& feature = pipeline.feature_state();
   feature_stamp_.put(feature_message_, utime);

@@ -14,6 +14,7 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/bus/shape_chunks.hpp"
+#include "rt/daemon/discrepancy_telemetry.hpp"
 #include "rt/pipeline/pipeline.hpp"
 #include "rt/registry/object.hpp"
 
@@ -105,6 +106,7 @@ class Telemetry {
   unknown_contact_t unknown_message_{};
   estimate_t estimate_message_{};
   feature_t feature_message_{};
+  DiscrepancyTelemetry discrepancy_;
   std::unique_ptr<MeshTelemetry> mesh_;
 };
 

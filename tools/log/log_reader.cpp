@@ -62,14 +62,15 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   loop.collect(channel::kFeature, run.features);
   loop.collect(channel::kEstimate, run.estimates);
   loop.collect(channel::kUnknownContact, run.unknown_contacts);
+  loop.collect(channel::kDiscrepancy, run.discrepancies);
   loop.collect(channel::kShapeTarget, run.targets);
   loop.collect(channel::kRobotState, run.robot);
   loop.collect(channel::kContacts, run.contacts);
   loop.collect(channel::kShapeObservation, run.observations);
   loop.read(control);
   if (clock == LogClock::kSent) {
-    order_as_sent(run.commands, run.features, run.estimates, run.unknown_contacts, run.robot,
-                  run.contacts, run.observations);
+    order_as_sent(run.commands, run.features, run.estimates, run.unknown_contacts,
+                  run.discrepancies, run.robot, run.contacts, run.observations);
     take_times_from_features(run.targets, run.features);
   }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <palpate/component_event_t.hpp>
 #include <palpate/contacts_t.hpp>
+#include <palpate/discrepancy_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/health_t.hpp>
@@ -81,6 +82,7 @@ struct RunLog {
   std::vector<feature_t> features;
   std::vector<estimate_t> estimates;
   std::vector<unknown_contact_t> unknown_contacts;  // while detected, and the end of each
+  std::vector<discrepancy_t> discrepancies;         // each test of the wrenches
   std::vector<shape_target_t> targets;
   std::vector<robot_state_t> robot;
   std::vector<contacts_t> contacts;

@@ -9,7 +9,7 @@ namespace palpate::top {
 namespace {
 
 constexpr std::int64_t kSilent =
-    2'000'000'000;  // ns without messages, after which a daemon is no longer counted
+    2'000'000'000;  // ns without messages, after which a daemon or a test is no longer counted
 constexpr std::size_t kMostSessions = 64;
 
 template <class Message>
@@ -65,11 +65,20 @@ void DaemonWatch::take(const record::Heard& heard) {
   } else if (heard.channel.substr(0, 15) == channel::kComponentEvent) {
     component_event_t event{};
     if (decoded(heard, event)) event_ = line_of(event);
+  } else if (heard.channel.substr(0, 11) == channel::kDiscrepancy) {
+    discrepancy_t discrepancy{};
+    if (!decoded(heard, discrepancy)) return;
+    discrepancy_ = discrepancy;
+    discrepancy_ns_ = heard.arrival_ns;
   }
 }
 
 double DaemonWatch::health_age(std::int64_t now_ns) const noexcept {
   return static_cast<double>(now_ns - health_ns_) * 1e-9;
+}
+
+const discrepancy_t* DaemonWatch::discrepancy(std::int64_t now_ns) const noexcept {
+  return discrepancy_ && now_ns - discrepancy_ns_ < kSilent ? &*discrepancy_ : nullptr;
 }
 
 int DaemonWatch::daemons(std::int64_t now_ns) const noexcept {

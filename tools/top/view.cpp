@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/discrepancy_text.hpp"
 #include "tools/common/table.hpp"
 
 namespace palpate::top {
@@ -89,12 +90,24 @@ Tone tone_of(int state) {
                       : Tone::kTitle;
 }
 
-void add_daemon(const View& view, std::vector<Line>& lines) {
-  if (view.daemon == nullptr || !view.daemon->health()) {
-    lines.push_back({"palpated: nothing heard", Tone::kWarning});
+/// Nothing without a test.
+void add_discrepancy(const View& view, std::vector<Line>& lines) {
+  const discrepancy_t* test = view.daemon->discrepancy(view.now_ns);
+  if (test == nullptr || test->test < 0) return;
+  const std::string numbers = formatted("test %.2f, threshold %.2f", test->test, test->threshold);
+  if (test->inconsistent == 0) {
+    lines.push_back({"wrenches agree with the model: " + numbers});
     return;
   }
-  const health_t& health = *view.daemon->health();
+  std::string line = formatted("wrenches contradict the model for %.1f s: ", test->duration) +
+                     numbers + ", " + common::component_text(*test);
+  if (common::explanation_count(*test) > 0)
+    line += "; most likely " + common::explanation_text(*test, 0) +
+            formatted(" (%.2f)", test->probability[0]);
+  lines.push_back({line, Tone::kBad});
+}
+
+void add_state(const View& view, const health_t& health, std::vector<Line>& lines) {
   const double silent = view.daemon->health_age(view.now_ns);
   const std::string reason = printable(health.reason, sizeof(health.reason));
   lines.push_back(
@@ -107,6 +120,17 @@ void add_daemon(const View& view, std::vector<Line>& lines) {
         {formatted("%d daemons speak at once: each URL may have but one", daemons), Tone::kBad});
   }
   if (!view.daemon->event().empty()) lines.push_back({"last event: " + view.daemon->event()});
+}
+
+void add_daemon(const View& view, std::vector<Line>& lines) {
+  if (view.daemon == nullptr || !view.daemon->health()) {
+    lines.push_back({"palpated: nothing heard", Tone::kWarning});
+    if (view.daemon != nullptr) add_discrepancy(view, lines);
+    return;
+  }
+  const health_t& health = *view.daemon->health();
+  add_state(view, health, lines);
+  add_discrepancy(view, lines);
   add_counters(health, lines);
   add_phases(health, lines);
   add_inputs(health, lines);
@@ -190,6 +214,19 @@ nlohmann::json json_of(const health_t& health) {
   return json;
 }
 
+nlohmann::json json_of(const discrepancy_t& test) {
+  nlohmann::json explanations = nlohmann::json::array();
+  for (int i = 0; i < common::explanation_count(test); ++i)
+    explanations.push_back(
+        {{"text", common::explanation_text(test, i)}, {"probability", test.probability[i]}});
+  return {{"inconsistent", test.inconsistent != 0},
+          {"duration_s", test.duration},
+          {"test", test.test},
+          {"threshold", test.threshold},
+          {"component", common::component_text(test)},
+          {"explanations", explanations}};
+}
+
 }  // namespace
 
 std::vector<Line> lines_of(const View& view) {
@@ -210,6 +247,8 @@ nlohmann::json json_of(const View& view) {
     json["daemon"]["silent_s"] = view.daemon->health_age(view.now_ns);
     json["daemon"]["daemons"] = view.daemon->daemons(view.now_ns);
     json["daemon"]["last_event"] = view.daemon->event();
+    if (const discrepancy_t* test = view.daemon->discrepancy(view.now_ns))
+      json["daemon"]["discrepancy"] = json_of(*test);
   }
   const auto known = [](double value, bool is) {
     return is ? nlohmann::json(value) : nlohmann::json(nullptr);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "rt/bus/text.hpp"
+#include "tools/common/discrepancy_text.hpp"
 
 namespace palpate::view {
 
@@ -99,6 +100,26 @@ json to_json(const contacts_t& contacts) {
                     {"deviation", number(contacts.deviation[i])}});
   }
   return list;
+}
+
+json to_json(const discrepancy_t& d) {
+  json explanations = json::array(), wrenches = json::array();
+  for (int i = 0; i < common::explanation_count(d); ++i)
+    explanations.push_back(
+        {{"text", common::explanation_text(d, i)}, {"probability", number(d.probability[i])}});
+  for (int g = 0; g < d.grasp_count; ++g)
+    wrenches.push_back(
+        {{"difference", numbers(d.difference[g], 6)}, {"deviation", numbers(d.deviation[g], 6)}});
+  json adopted;  // null: none
+  if (d.adopted != discrepancy_t::CAUSE_UNKNOWN) adopted = common::cause_text(d.adopted);
+  return {{"inconsistent", d.inconsistent != 0},
+          {"duration", number(d.duration)},
+          {"test", number(d.test)},
+          {"threshold", number(d.threshold)},
+          {"component", common::component_text(d)},
+          {"explanations", explanations},
+          {"wrenches", wrenches},
+          {"adopted", adopted}};
 }
 
 json to_json(const estimate_t& e) {

@@ -110,6 +110,12 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
     if (!bus::decode(health, data, size) || health.phase_count != kPhases) return;
     add(1, static_cast<double>(health.p99_us[0]));
     add(2, static_cast<double>(health.p99_us[kPhases - 1]));
+  } else if (channel == channel::kDiscrepancy) {
+    discrepancy_t test;
+    if (!bus::decode(test, data, size) || !(test.test >= 0)) return;
+    add(3, test.test);
+    add(4, test.threshold);
+    if (test.inconsistent != 0) add(5, test.test);
   } else if (channel == Scene::kEvents) {
     component_event_t event;
     if (bus::decode(event, data, size)) happened_.emplace_back(time_us, bus::get_text(event.event));
@@ -117,7 +123,8 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
 }
 
 void LogSource::finish_series() {
-  const char* const kNames[][2] = {{"feature error", ""}, {"cycle", "us"}, {"wake-up", "us"}};
+  const char* const kNames[][2] = {{"feature error", ""}, {"cycle", "us"},   {"wake-up", "us"},
+                                   {"wrench test", ""},   {"threshold", ""}, {"contradiction", ""}};
   const auto seconds = [this](std::int64_t time_us) {
     return static_cast<double>(time_us - begin_us_) * 1e-6;
   };

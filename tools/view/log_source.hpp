@@ -35,7 +35,8 @@ class LogSource {
   /// Sets the scene to `time`, s, limited to the log.
   void go_to(double time, Scene& scene);
 
-  /// Feature error, latency and lateness of the whole log.
+  /// Of the whole log: feature error, latency, lateness, and the wrenches' test with its threshold
+  /// and, while they are inconsistent, the test again.
   const std::vector<Series>& series() const { return series_; }
   /// Time, s, and description of each event. For marks on the timeline.
   const std::vector<std::pair<double, std::string>>& marks() const { return marks_; }
@@ -64,7 +65,7 @@ class LogSource {
   std::map<std::string, std::size_t>
       shown_;  // number of each channel's messages passed to the scene
   std::vector<std::uint8_t> buffer_;
-  std::array<std::vector<Noted>, 3> noted_;  // until all files are read
+  std::array<std::vector<Noted>, 6> noted_;  // until all files are read
   std::vector<std::pair<std::int64_t, std::string>> happened_;
   std::vector<Series> series_;
   std::vector<std::pair<double, std::string>> marks_;

@@ -18,6 +18,11 @@ bool all_finite(const Numbers& numbers) {
 
 bool is_sound(const contacts_t& m) { return m.count >= 0 && m.count <= 8; }
 bool is_sound(const estimate_t& m) { return m.grasp_count >= 0 && m.grasp_count <= 2; }
+bool is_sound(const discrepancy_t& m) {
+  return m.grasp_count >= 0 && m.grasp_count <= 2 && m.cause_count >= 0 &&
+         m.cause_count <= static_cast<int>(std::size(m.cause)) && all_finite(m.probability) &&
+         std::isfinite(m.duration) && std::isfinite(m.test) && std::isfinite(m.threshold);
+}
 bool is_sound(const feature_t& m) {
   return m.value_count >= 0 && m.value_count <= 32 && m.error_count >= 0 && m.error_count <= 32;
 }
@@ -78,7 +83,7 @@ void Fingertip::take(const biotac_t& next, std::int64_t next_us) {
 
 template <class Visit>
 void Scene::for_each_latest(Visit visit) {
-  visit(truth_contact), visit(contacts), visit(estimate);
+  visit(truth_contact), visit(contacts), visit(estimate), visit(discrepancy);
   visit(feature), visit(health), visit(config), visit(twist), visit(manual), visit(observation);
   for (auto& one : robot) visit(one);
   for (auto& one : hand) visit(one);

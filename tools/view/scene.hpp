@@ -8,6 +8,7 @@
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
+#include <palpate/discrepancy_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/hand_state_t.hpp>
@@ -116,6 +117,7 @@ class Scene {
   Latest<truth_contact_t> truth_contact{channel::kTruthContact};
   Latest<contacts_t> contacts{channel::kContacts};
   Latest<estimate_t> estimate{channel::kEstimate};
+  Latest<discrepancy_t> discrepancy{channel::kDiscrepancy};
   Latest<feature_t> feature{channel::kFeature};
   Latest<health_t> health{channel::kHealth};
   Latest<config_t> config{channel::kConfig};

@@ -13,6 +13,8 @@ using nlohmann::json;
 
 namespace {
 
+constexpr std::int64_t kOld = 1000;  // ms, age from which a message is no longer shown
+
 json describe_slots() {
   json slots = json::array();
   for (const SlotChoices& slot : slot_choices()) {
@@ -90,7 +92,7 @@ void History::sample(const Scene& scene, std::int64_t now_us) {
   if (!samples_.empty() && now_us - samples_.back().time_us < kEvery) return;
   if (!scene.shape.get() && !scene.health.get()) return;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  Sample s{now_us, kUnknown, kUnknown, kUnknown, kUnknown};
+  Sample s{now_us, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown, kUnknown};
   if (const feature_t* feature = scene.feature.get()) s.error = error_norm(*feature);
   if (const health_t* health = scene.health.get(); health && health->phase_count == kPhases) {
     s.cycle = static_cast<double>(health->p99_us[0]);
@@ -98,19 +100,30 @@ void History::sample(const Scene& scene, std::int64_t now_us) {
   }
   if (const shape_t* shape = scene.shape.get())
     s.view = static_cast<double>(scene.shape.time_us - shape->utime) * 1e-3;
+  if (const discrepancy_t* d = scene.discrepancy.get();
+      d && d->test >= 0 && now_us - scene.discrepancy.time_us < kOld * 1000) {
+    s.test = d->test;
+    s.threshold = d->threshold;
+    if (d->inconsistent != 0) s.contradiction = d->test;
+  }
   samples_.push_back(s);
   while (now_us - samples_.front().time_us > kKept) samples_.pop_front();
 }
 
 json History::to_json(std::int64_t now_us) const {
   json out = {{"time", json::array()}};
-  for (const char* key : {"error", "cycle", "wake_up", "view"}) out[key] = json::array();
+  const std::pair<const char*, double Sample::*> kLists[] = {
+      {"error", &Sample::error},
+      {"cycle", &Sample::cycle},
+      {"wake_up", &Sample::wake_up},
+      {"view", &Sample::view},
+      {"test", &Sample::test},
+      {"threshold", &Sample::threshold},
+      {"contradiction", &Sample::contradiction}};
+  for (const auto& [key, value] : kLists) out[key] = json::array();
   for (const Sample& s : samples_) {
     out["time"].push_back(std::round(static_cast<double>(s.time_us - now_us) * 1e-4) * 1e-2);
-    out["error"].push_back(s.error);
-    out["cycle"].push_back(s.cycle);
-    out["wake_up"].push_back(s.wake_up);
-    out["view"].push_back(s.view);
+    for (const auto& [key, value] : kLists) out[key].push_back(s.*value);
   }
   return out;
 }
@@ -276,6 +289,8 @@ json Viewer::state(bool with_health, std::int64_t now_us) const {
   if (const auto* m = scene_.contacts.get(); m && age(scene_.contacts) < kShown)
     head["contacts"] = to_json(*m);
   if (const auto* m = scene_.estimate.get()) head["estimate"] = to_json(*m);
+  if (const auto* m = scene_.discrepancy.get(); m && m->test >= 0 && age(scene_.discrepancy) < kOld)
+    head["discrepancy"] = to_json(*m);
   if (const auto* m = scene_.feature.get()) head["feature"] = to_json(*m);
   if (const auto* m = scene_.truth_contact.get(); m && age(scene_.truth_contact) < kShown)
     head["truth_contacts"] = to_json(*m);
@@ -287,7 +302,6 @@ json Viewer::state(bool with_health, std::int64_t now_us) const {
     head["health_age_ms"] = age(scene_.health);
     if (with_health) head["health"] = to_json(*m);
   }
-  constexpr double kOld = 1000;  // ms
   if (const auto& error = shape_error_.last();
       error && age(scene_.shape) < kOld && age(scene_.truth) < kOld)
     head["shape_error"] = {{"mean", error->mean},

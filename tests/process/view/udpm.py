@@ -10,6 +10,7 @@ import numpy as np
 INTERESTING = {b"SHAPE", b"SHAPE_MESH", b"MANUAL_FORCE", b"COMPONENT_EVENT", b"HEALTH"}
 COMMON = ">qqiq"  # fingerprint, utime, seq, session
 BIOTAC = 0x899D567D1460611D  # fingerprint
+DISCREPANCY = 0x5AA5CDF84DFF8D46
 
 
 class Listener:
@@ -79,6 +80,18 @@ def biotac(seq, electrodes, pac, pdc):
     """BIOTAC_n with all readings valid except the temperature."""
     return struct.pack(">Qqiqi19hh22h3h", BIOTAC, seq * 10_000, seq, 5, 7, *electrodes, len(pac),
                        *pac, *[0] * (22 - len(pac)), pdc, 31, 32)
+
+
+def discrepancy(seq, test, explanations=(), threshold=4.9):
+    """DISCREPANCY of one hand, which `explanations` (cause, probability, place, value) explain if there are any; its
+    force along z differs by -1.2 +- 0.1 N.
+    """
+    rows = list(explanations) + [(0, 0, (0, 0, 0), (0,) * 6)] * (8 - len(explanations))
+    causes, probabilities, places, values = zip(*rows)
+    difference, deviation = (0, 0, -1.2, 0, 0, 0), (0.1,) * 3 + (0.01,) * 3
+    return struct.pack(">Qqiqi3diii12d12di8i8d8i24d48di", DISCREPANCY, seq * 50_000, seq, 5, bool(explanations), 2.1, test,
+                       threshold, 0, 2, 1, *difference, *(0,) * 6, *deviation, *(-1,) * 6, len(explanations), *causes,
+                       *probabilities, *(0,) * 8, *sum(places, ()), *sum(values, ()), 0)
 
 
 def numbers(data, at, kind):

@@ -208,6 +208,57 @@ class ViewTest(PageCase):
         wait_for(lambda: " s old" in cell.text("#fingertip-age"), "the age, once nothing arrives")
         sender.stop()
 
+    def test_5_shows_what_contradicts_the_model(self):
+        cell = self.cell
+        cell.click('#tabs [data-tab="plots"]')
+        cell.next_frames(5)
+        self.assertTrue(cell.js("document.getElementById('consistency').hidden"), "pose_driven has no test")
+        wait_for(lambda: "(configured)" in cell.text("#numbers"), "E and nu are not estimated")
+        self.assertNotIn("\u00b1", cell.text("#numbers"))
+        sender, seq = udpm.Sender(cell.group, cell.ports[0]), 0
+
+        def sent_until(condition, what, *content):
+            """Sends further messages of this content until the page fulfils the condition."""
+            def send():
+                nonlocal seq
+                seq += 1
+                sender.send("DISCREPANCY", udpm.discrepancy(seq, *content))
+                return condition()
+            wait_for(send, what)
+        sent_until(lambda: cell.text("#consistency-now") == "1.50, threshold 4.90", "the test", 1.5)
+        self.assertTrue(cell.js("document.getElementById('contradiction').hidden"))
+        self.assertEqual(cell.text("#explanations"), "")
+        causes = [(1, 0.82, (0.21, 0, 0.03), (0, 0, -1.2, 0, 0, 0)), (6, 0.1, (0.3, 0, 0), (0, 0, -0.4, 0, 0, 0)),
+                  (2, 0.001, (0, 0, 0), (0.01, 0, 0, 0, 0, 0))]
+        sent_until(lambda: cell.js("palpate.consistency.plot.lines[2].value.filter((v) => v === 80).length > 20"),
+                   "a contradiction", 80, causes)
+        self.assertIn("force of hand 0 along z", cell.text("#contradiction"))
+        self.assertFalse(cell.js("document.getElementById('contradiction').hidden"))
+        lines = cell.js("[...document.querySelectorAll('#explanations li')].map((item) => item.textContent)")
+        self.assertEqual(lines, ["For 2.1 s: force of hand 0 along z",
+                                 "most likely: external contact near (0.210, 0.000, 0.030) m, 1.20 N; 0.82",
+                                 "second: additional weight near (0.300, 0.000, 0.000) m, 0.40 N; 0.10"])
+        cells = cell.js("[...document.getElementById('differences').rows].map((r) => [...r.cells].map("
+                        "(c) => [c.textContent, c.className]))")
+        self.assertEqual(cells[1][3], ["-1.20 \u00b1 0.10", "warn"])
+        self.assertEqual(cells[1][1], ["0.00 \u00b1 0.10", ""])
+        cell.browser.execute_script("document.getElementById('consistency-plot').scrollIntoView({block: 'center'})")
+        cell.next_frames(5)
+        picture = cell.picture(self.pictures and f"{self.pictures}/contradiction.png")
+        left, top, right, bottom = cell.js("(() => { const b = document.getElementById('consistency-plot')"
+                                           ".getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]; })()")
+        # Below the legend: the contradiction above the threshold on the logarithmic axis.
+        red, green, blue = np.moveaxis(picture[int(top) + 20:int(bottom) - 17, int(left) + 50:int(right) - 8], 2, 0)
+        rows = {}
+        for name, colour in (("contradiction", (242, 104, 106)), ("threshold", (240, 180, 64))):
+            off = np.abs(np.stack([red, green, blue]) - np.array(colour)[:, None, None]).max(axis=0)
+            self.assertGreater((off < 60).sum(), 3, name)
+            rows[name] = np.median(np.nonzero(off < 60)[0])
+        self.assertAlmostEqual((rows["threshold"] - rows["contradiction"]) / len(red), np.log10(80 / 4.9) / 4, delta=0.05)
+        wait_for(lambda: cell.js("document.getElementById('contradiction').hidden"), "hidden once nothing arrives")
+        self.assertEqual(cell.text("#consistency-now"), "not tested")
+        sender.stop()
+
     def test_6_survives_restarts(self):
         cell = self.cell
         cell.stop("palpated")

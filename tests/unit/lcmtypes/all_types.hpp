@@ -5,6 +5,7 @@
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
+#include <palpate/discrepancy_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
@@ -41,6 +42,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(component_event_t{});
   visit(config_t{});
   visit(contacts_t{});
+  visit(discrepancy_t{});
   visit(estimate_t{});
   visit(feature_t{});
   visit(ft_wrench_t{});

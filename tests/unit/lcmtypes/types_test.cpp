@@ -23,6 +23,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"component_event_t", 0x1ee90f753de22690},
     {"config_t", 0x2528ab9c6b131a90},
     {"contacts_t", 0x583cf81eabffd830},
+    {"discrepancy_t", 0x5aa5cdf84dff8d46},
     {"estimate_t", 0x90fa6341cc59c8f8},
     {"feature_t", 0xf23c7d64d85a9291},
     {"ft_wrench_t", 0x9b49e504acb98a29},

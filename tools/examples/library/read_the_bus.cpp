@@ -32,8 +32,12 @@ int main(int argc, char** argv) try {
       if (estimate.utime - printed_us < 1'000'000) continue;
       printed_us = estimate.utime;
       const double* w = estimate.reaction[0];
-      std::printf("status %d, hand applies %.2f %.2f %.2f N, E = %.1f kPa\n", estimate.status, w[0],
+      std::printf("status %d, hand applies %.2f %.2f %.2f N, E = %.1f kPa", estimate.status, w[0],
                   w[1], w[2], 1e-3 * std::exp(estimate.log_young_modulus));
+      if (estimate.log_young_modulus_deviation >= 0)
+        std::printf(" +- %.0f %%\n", 100 * estimate.log_young_modulus_deviation);
+      else
+        std::printf(" (configured)\n");
       std::fflush(stdout);
     }
   }

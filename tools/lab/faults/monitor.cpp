@@ -5,6 +5,7 @@
 #include <palpate/channels.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
+#include <palpate/discrepancy_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/shape_mesh_t.hpp>
@@ -45,6 +46,10 @@ bool all_finite_in(const estimate_t& m) {
                     m.log_young_modulus_deviation, m.poisson_ratio, m.poisson_ratio_deviation,
                     m.innovation_test, m.unknown_contact_location, m.unknown_contact_force,
                     m.unknown_contact_deviation);
+}
+bool all_finite_in(const discrepancy_t& m) {
+  return all_finite(m.duration, m.test, m.threshold, m.difference, m.deviation, m.probability,
+                    m.location, m.value);
 }
 bool all_finite_in(const unknown_contact_t& m) {
   return all_finite(m.location, m.location_deviation, m.force, m.force_deviation);
@@ -100,6 +105,9 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
     add(hash_, message);
   } else if (channel == channel::kUnknownContact) {
     check(unknown_contact_t());
+    add(hash_, message);
+  } else if (channel == channel::kDiscrepancy) {
+    check(discrepancy_t());
     add(hash_, message);
   } else if (channel == channel::kFeature) {
     check(feature_t());

@@ -2,6 +2,7 @@
 
 import {Arrows, FeatureMarks, placesOf} from './arrows.js';
 import {COLOURS, FIELDS} from './colours.js';
+import {Consistency} from './consistency.js';
 import {Control, takeToken} from './control.js';
 import {Fingertips} from './fingertips.js';
 import {Legend} from './legend.js';
@@ -34,6 +35,7 @@ const layers = {estimate: true, truth: true, robot: true, forces: true, feature:
 const legend = new Legend();
 const panels = new Panels();
 const fingertips = new Fingertips();
+const consistency = new Consistency();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
 const shapePlot = new Plot(byId('shape-error-plot'), [
   {name: 'mean', colour: '#4cc2ff'}, {name: 'RMS', colour: '#f0b440'}, {name: 'largest', colour: '#ff8f8f'}], {unit: 'mm'});
@@ -103,6 +105,7 @@ function beginPlots(message) {
   errorPlot.clear();
   latencyPlot.clear();
   shapePlot.clear();
+  consistency.begin(message);
   if (message.log) {
     const {series, duration} = message.log, scale = (s, f) => ({time: s.time, value: s.value.map((v) => v * f)});
     errorPlot.scaled = null;
@@ -133,6 +136,7 @@ function plot() {
     latencyPlot.add(now, [health ? health.p99_us[0] : NaN, health ? health.p99_us[9] : NaN, shape ? shape.delay_ms * 1e3 : NaN]);
   }
   plotShapeError(player ? player.time : now);
+  consistency.show(frame, player ? player.time : now, panels.tab === 'plots');
   byId('error-now').textContent = Number.isFinite(error) ? `${fixed(error, digits)} ${unit}` : 'no target';
   byId('latency-now').textContent = health ? `${fixed(health.p99_us[0], 0)} \u00b5s` : '';
   if (panels.tab !== 'plots') return;
@@ -317,6 +321,6 @@ byId('home').onclick = () => {
 };
 
 // For inspection of the page from outside, by a test or the console.
-window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fingertips, fields: FIELDS, timing,
+window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fingertips, consistency, fields: FIELDS, timing,
   get frame() { return frame; }, get health() { return health; }, get frames() { return frames; }, get pictures() { return pictures; },
   get connected() { return connected; }, frameObject};

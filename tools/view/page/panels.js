@@ -35,6 +35,11 @@ export function fill(table, rows, head) {
   });
 }
 
+/** A standard deviation in units of 1 / `factor`; a negative one means that the value is not estimated, but as configured. */
+function orConfigured(deviation, factor, digits, unit) {
+  return deviation < 0 ? '(configured)' : `\u00b1 ${fixed(factor * deviation, digits)}${unit}`;
+}
+
 /** Display of a feature's numbers: factor and unit by kind. */
 export function unitOf(kind) {
   if (kind === 'angle') return {factor: 180 / Math.PI, unit: '\u00b0', digits: 2};
@@ -96,9 +101,10 @@ export class Panels {
     }
     if (estimate) {
       // Before the first cycle the message holds zeros.
-      const known = estimate.young_modulus_share >= 0, reported = estimate.young_modulus > 1.001;
-      if (reported) rows.push(['Young\u2019s modulus, kPa', fixed(estimate.young_modulus / 1e3, 2) + (known ? ` \u00b1 ${fixed(100 * estimate.young_modulus_share, 0)} %` : '')]);
-      if (reported) rows.push(['Poisson\u2019s ratio', fixed(estimate.poisson_ratio, 3)]);
+      if (estimate.young_modulus > 1.001) {
+        rows.push(['Young\u2019s modulus, kPa', `${fixed(estimate.young_modulus / 1e3, 2)} ${orConfigured(estimate.young_modulus_share, 100, 0, ' %')}`]);
+        rows.push(['Poisson\u2019s ratio', `${fixed(estimate.poisson_ratio, 3)} ${orConfigured(estimate.poisson_ratio_deviation, 1, 3, '')}`]);
+      }
       if (estimate.innovation >= 0) rows.push(['Innovation test', fixed(estimate.innovation, 2)]);
     }
     fill(byId('numbers'), rows);

@@ -3,14 +3,18 @@
 import {niceAbove, tickText} from './colours.js';
 import {cleared} from './software.js';
 
+/** A power of ten of microseconds. */
+function durationText(e) { return e < 3 ? `${10 ** e} \u00b5s` : e < 6 ? `${10 ** (e - 3)} ms` : `${10 ** (e - 6)} s`; }
+
 export class Plot {
   /** `lines`: [{name, colour}]; `seconds`: the window of a live plot. */
-  constructor(canvas, lines, {unit = '', seconds = 60, decades = null} = {}) {
+  constructor(canvas, lines, {unit = '', seconds = 60, decades = null, tick = durationText} = {}) {
     this.canvas = canvas;
     this.lines = lines.map((line) => ({...line, time: [], value: []}));
     this.unit = unit;
     this.seconds = seconds;
     this.decades = decades;  // [a, b]: a logarithmic scale from 10^a to 10^b
+    this.tick = tick;  // text of 10^e on it
     this.fixed = null;  // {duration}: a log's, with a cursor
   }
 
@@ -46,7 +50,7 @@ export class Plot {
 
   logarithmic() {
     const [a, b] = this.decades, ticks = [];
-    for (let e = a; e <= b; ++e) ticks.push([10 ** e, e < 3 ? `${10 ** e} \u00b5s` : e < 6 ? `${10 ** (e - 3)} ms` : `${10 ** (e - 6)} s`]);
+    for (let e = a; e <= b; ++e) ticks.push([10 ** e, this.tick(e)]);
     return {ticks, share: (v) => (Math.log10(Math.max(v, 1e-12)) - a) / (b - a)};
   }
 

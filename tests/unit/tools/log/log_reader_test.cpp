@@ -68,6 +68,9 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
     feature.revision = 1;
     for (feature.utime = 20; feature.utime < 50; feature.utime += 10)
       write(log, "FEATURE", 5001, feature);
+    discrepancy_t discrepancy = {};
+    for (discrepancy.utime = 60; discrepancy.utime > 30; discrepancy.utime -= 20)
+      write(log, "DISCREPANCY", 5001, discrepancy);
     lcm::LogFile other(slow.string(), "w");
     write(other, "SHAPE", 5002, scores::shape_at(30e-6, Eigen::Matrix3Xd::Zero(3, 4), 1));
   }
@@ -77,6 +80,8 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
   ASSERT_EQ(run.shapes.size(), 1u);
   EXPECT_EQ(run.shapes[0].utime, 30);
   EXPECT_EQ(run.features.size(), 4u);
+  ASSERT_EQ(run.discrepancies.size(), 2u);
+  EXPECT_EQ(run.discrepancies[0].utime, 40) << "in order of sending";
 }
 
 TEST(LogReader, OfALogThatIsCutShortTheRestIsReadWithAWarning) {

@@ -112,6 +112,53 @@ TEST_F(ViewTest, EventsAreShownInALine) {
   EXPECT_EQ(with("last event: sensing degraded: wrench is old", kSecond).size(), 1u);
 }
 
+TEST_F(ViewTest, ShowsTheTestOfTheWrenches) {
+  hear("HEALTH", active(), kSecond);
+  EXPECT_TRUE(with("wrenches", kSecond).empty()) << "it is not tested";
+  discrepancy_t test{};
+  test.test = -1;
+  hear("DISCREPANCY", test, kSecond);
+  EXPECT_TRUE(with("wrenches", kSecond).empty()) << "no test yet";
+  test.test = 1.25;
+  test.threshold = 4.9;
+  hear("DISCREPANCY", test, kSecond);
+  const auto agree = with("wrenches agree with the model: test 1.25, threshold 4.90", kSecond);
+  ASSERT_EQ(agree.size(), 1u);
+  EXPECT_EQ(agree[0].tone, Tone::kPlain);
+  EXPECT_TRUE(with("wrenches", 4 * kSecond).empty()) << "it is no longer tested";
+}
+
+TEST_F(ViewTest, ShowsWhatExplainsAContradiction) {
+  hear("HEALTH", active(), kSecond);
+  discrepancy_t test{};
+  test.inconsistent = 1;
+  test.duration = 2.1;
+  test.test = 8;
+  test.threshold = 4.9;
+  test.axis = 2;
+  hear("DISCREPANCY", test, kSecond);
+  const std::string begin =
+      "wrenches contradict the model for 2.1 s: test 8.00, threshold 4.90, force of hand 0 along z";
+  ASSERT_EQ(with(begin, kSecond).size(), 1u);
+  EXPECT_EQ(with(begin, kSecond)[0].text, begin) << "nothing is explained yet";
+  test.cause_count = 2;
+  test.cause[0] = discrepancy_t::CAUSE_SENSOR_BIAS;
+  test.value[0][0] = 0.5;
+  test.probability[0] = 0.82;
+  test.cause[1] = discrepancy_t::CAUSE_SLIP;
+  test.probability[1] = 0.1;
+  hear("DISCREPANCY", test, kSecond);
+  const auto lines = with(begin, kSecond);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].tone, Tone::kBad);
+  EXPECT_EQ(lines[0].text, begin + "; most likely sensor bias of hand 0, 0.50 N, 0.0 mN m (0.82)");
+  const nlohmann::json json = json_of(view(kSecond))["daemon"]["discrepancy"];
+  EXPECT_EQ(json["inconsistent"], true);
+  EXPECT_EQ(json["threshold"], 4.9);
+  ASSERT_EQ(json["explanations"].size(), 2u);
+  EXPECT_EQ(json["explanations"][1]["probability"], 0.1);
+}
+
 TEST_F(ViewTest, WhateverHealthSaysIsPrintedSafely) {
   health_t mad{};
   mad.state = -7;

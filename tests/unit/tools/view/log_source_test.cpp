@@ -46,6 +46,11 @@ class LogSourceTest : public ::testing::Test {
       feature.error_count = 1;
       feature.error[0] = i == 500 ? 0.5 : 0.01;
       log.write("FEATURE", kBegin + i * 10'000, feature);
+      discrepancy_t discrepancy{};
+      discrepancy.test = i < 100 ? -1 : 1e-3 * i;
+      discrepancy.threshold = 0.9;
+      discrepancy.inconsistent = i > 900 ? 1 : 0;
+      if (i % 5 == 0) log.write("DISCREPANCY", kBegin + i * 10'000, discrepancy);
       if (i == 700) housekeeping.write("SHAPE_MESH", kBegin + i * 10'000, *box_mesh({2, 1, 1}));
       if (i % 400 == 0) {
         component_event_t event{};
@@ -88,6 +93,14 @@ TEST_F(LogSourceTest, SummarisesTheWholeInSeries) {
   ASSERT_EQ(error.value.size(), 1001U);
   EXPECT_FLOAT_EQ(error.value[500], 0.5F);
   EXPECT_NEAR(error.time_s[500], 5, 1e-3);
+  const Series &test = log->series().at(3), &threshold = log->series().at(4),
+               &contradiction = log->series().at(5);
+  ASSERT_EQ(test.value.size(), 181U) << "without those before the first test";
+  EXPECT_FLOAT_EQ(test.value[0], 0.1F);
+  EXPECT_NEAR(test.time_s[0], 1, 1e-3);
+  EXPECT_EQ(threshold.time_s, test.time_s);
+  ASSERT_EQ(contradiction.value.size(), 20U);
+  EXPECT_FLOAT_EQ(contradiction.value[0], 0.905F);
   ASSERT_EQ(log->marks().size(), 3U);
   EXPECT_NEAR(log->marks()[1].first, 4, 1e-6);
   EXPECT_EQ(log->marks()[2].second, "event800");

@@ -59,13 +59,17 @@ TEST(Scene, RefusesMessagesThatSayImpossibleThings) {
   biotac_t fingertip{};
   fingertip.pac_count = 23;
   give(scene, "BIOTAC_0", fingertip);
+  discrepancy_t discrepancy{};
+  discrepancy.cause_count = 9;
+  give(scene, "DISCREPANCY", discrepancy);
   scene.refresh();
-  EXPECT_EQ(scene.rejected(), 5);
+  EXPECT_EQ(scene.rejected(), 6);
   EXPECT_EQ(scene.shape.get(), nullptr);
   EXPECT_EQ(scene.feature.get(), nullptr);
   EXPECT_EQ(scene.contacts.get(), nullptr);
   EXPECT_EQ(scene.robot[0].get(), nullptr);
   EXPECT_EQ(scene.fingertips[0].get(), nullptr);
+  EXPECT_EQ(scene.discrepancy.get(), nullptr);
 }
 
 TEST(Scene, JoinsTheChunksOfAShape) {
