@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "core/control/safety_gate.hpp"
 
@@ -31,7 +32,7 @@ TEST(DiscrepancyPolicy, ReachesItsFactorExactlyAndReturns) {
   }
 }
 
-// As the gate would limit it, the hand would brake with another law than the one declared here.
+// The gate need not limit the change of a constant command within its default speeds.
 TEST(DiscrepancyPolicy, KeepsTheGatesDefaultAccelerations) {
   const GateLimits limits;
   DiscrepancyPolicy policy = policy_of(DiscrepancyAction::kStop);
