@@ -3,8 +3,10 @@
 namespace palpate {
 
 /// Condition of a component after an update. kDegraded: it works with reduced quality, or waits for
-/// an input, and recovers by itself. kFault: it does not work until it is reset.
-enum class Status { kOk, kDegraded, kFault };
+/// an input, and recovers by itself. kFault: it does not work until it is reset. kDoubtful, of an
+/// estimator: it works and nothing else is wrong, but the wrenches contradict the model; control
+/// then follows its policy, whereas it does not move the robot by an estimate that is kDegraded.
+enum class Status { kOk, kDegraded, kFault, kDoubtful };
 
 /// Outcome of an update, of every slot. `reason` is a string literal, "" for kOk.
 struct [[nodiscard]] UpdateResult {

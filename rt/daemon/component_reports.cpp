@@ -42,6 +42,22 @@ void ComponentReports::service(const pipeline::Pipeline& pipeline, Commands& com
     commands.announce(kSlot, report.name, report.component, pipeline::name(report.condition.state),
                       report.condition.reason, utime);
   }
+  report_control(pipeline, commands, now_ns, utime);
+}
+
+void ComponentReports::report_control(const pipeline::Pipeline& pipeline, Commands& commands,
+                                      std::int64_t now_ns, std::int64_t utime) noexcept {
+  using Action = control::DiscrepancyAction;
+  const Action action = pipeline.discrepancy_action();
+  if (action == action_ || (action_ns_ != 0 && now_ns - action_ns_ < kInterval)) return;
+  action_ = action;
+  action_ns_ = now_ns;
+  const bool resumed = action == Action::kContinue;
+  if (resumed && !pipeline.is_running()) return;  // a stop or a reset ended it
+  const char* event = resumed ? "resumed" : action == Action::kStop ? "stopped" : "slowed";
+  commands.announce("control", "", "", event,
+                    resumed ? "the estimate is no longer in doubt" : pipeline.discrepancy_reason(),
+                    utime);
 }
 
 void ComponentReports::report_faults(const pipeline::SensorReport& report, Reported& reported,

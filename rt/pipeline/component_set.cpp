@@ -153,6 +153,7 @@ void ComponentSet::build_steering(const config::Node& root) {
   law = registry::make_control_law(control, context, *feature);
   moving = registry::read_moving_arms(control, context);
   commands_joints = registry::read_commands_joints(control, context);
+  on_discrepancy = registry::read_discrepancy_policy(control);
 
   const int dimension = feature->dimension();
   feature_state.value = Eigen::VectorXd::Zero(feature->value_count());
@@ -230,6 +231,7 @@ void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
     markers.swap(other.markers);
     moving = other.moving;
     commands_joints = other.commands_joints;
+    on_discrepancy = other.on_discrepancy;
     target.value.swap(other.target.value);
     target.revision = other.target.revision;
     feature_state.value.swap(other.feature_state.value);
@@ -241,6 +243,7 @@ void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
   }
   for (Condition* condition : {&feature_condition, &control_condition})
     if (condition->state == LifeCycle::kFaulted) *condition = {LifeCycle::kActive, ""};
+  on_discrepancy.take_over(other.on_discrepancy);
   law->reset();
   feature->evaluate(model->positions(), feature_state.value);
   const char* reason = "";
@@ -256,6 +259,7 @@ void ComponentSet::start() noexcept {
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
   for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
   jump.forget();
+  on_discrepancy.reset();
   law->reset();
   provider->reset();
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/control/discrepancy_policy.hpp"
 #include "core/estimation/shape_jump.hpp"
 #include "rt/pipeline/life_cycle.hpp"
 #include "rt/plugin/supervision.hpp"
@@ -118,6 +119,7 @@ struct ComponentSet {
   std::unique_ptr<control::MarkerObserver> markers;
   registry::MovingArms moving = registry::MovingArms::kFirst;
   bool commands_joints = false;  // of the first arm, instead of its hand's twist
+  control::DiscrepancyPolicy on_discrepancy;
 
   Condition estimation_condition;
   Condition feature_condition;

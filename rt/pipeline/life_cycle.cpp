@@ -31,6 +31,7 @@ void Condition::apply(const UpdateResult& result) noexcept {
       state = LifeCycle::kActive;
       break;
     case Status::kDegraded:
+    case Status::kDoubtful:
       state = LifeCycle::kDegraded;
       break;
     case Status::kFault:

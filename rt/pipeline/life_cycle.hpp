@@ -28,10 +28,10 @@ Event event_from(const char* text) noexcept;
 /// State of a slot or of the whole pipeline, and its reason.
 struct Condition {
   LifeCycle state = LifeCycle::kUnconfigured;
-  const char* reason = "";     // a string literal
+  const char* reason = "";     // a string literal, or a text of the pipeline
   const char* component = "";  // name of the instance concerned; "" for the whole pipeline
 
-  /// Applies the outcome of an update: kFault latches, kDegraded does not.
+  /// Applies the outcome of an update: kFault latches, kDegraded and kDoubtful do not.
   void apply(const UpdateResult& result) noexcept;
 };
 

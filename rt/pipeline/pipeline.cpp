@@ -81,7 +81,7 @@ void Pipeline::estimate(double dt) noexcept {
     ComponentSet& now = *components_;
     UpdateResult result = now.estimator->update(estimation_inputs_, *now.model, now.estimate);
     if (const char* fault = plugin::fault_of(*now.model)) result = {Status::kFault, fault};
-    now.estimation_condition.apply(result);
+    trust_.judge(result, now.estimate, now.on_discrepancy.options(), now.estimation_condition);
     return now.estimation_condition.state != LifeCycle::kFaulted;
   };
   if (!is_sound() &&
@@ -118,8 +118,9 @@ void Pipeline::control(double dt) noexcept {
     arm.gate_inputs.requested_W_E = math::Twist();
     arm.requested_joints.setZero();
   }
-  if (!is_running() || components_->target.revision < 0 || !moving_arms_known()) return;
-  if (!is_trusted()) return;
+  if (!is_running()) return;
+  components_->on_discrepancy.update(trust_.is_in_doubt(), dt);
+  if (components_->target.revision < 0 || !moving_arms_known() || !is_trusted()) return;
 
   const int first = components_->moving == registry::MovingArms::kSecond ? 1 : 0;
   const bool steers =
@@ -130,7 +131,8 @@ void Pipeline::control(double dt) noexcept {
   if (!steers) return;
   request(first, components_->law_output.V_O_G);
   if (components_->commands_joints)
-    arms_[0].requested_joints = components_->law_output.joint_velocity;
+    arms_[0].requested_joints =
+        components_->on_discrepancy.factor() * components_->law_output.joint_velocity;
   if (components_->moving == registry::MovingArms::kBoth)
     request(1, components_->law_output.V_O_G_second);
 }
@@ -207,7 +209,7 @@ bool Pipeline::is_trusted() const noexcept {
   for (const ComponentSet::Contact& instance : components_->contact) {
     if (instance.condition.state == LifeCycle::kFaulted) return false;
   }
-  return components_->estimation_condition.state == LifeCycle::kActive &&
+  return trust_.is_usable() && components_->estimation_condition.state != LifeCycle::kFaulted &&
          components_->feature_condition.state != LifeCycle::kFaulted;
 }
 
@@ -221,8 +223,9 @@ bool Pipeline::moving_arms_known() const noexcept {
 
 void Pipeline::request(int index, const math::Twist& V_O_G) noexcept {
   Arm& arm = arms_[index];
-  arm.gate_inputs.requested_W_E =
-      arm.frames.flange_twist(V_O_G, arm.signals->robot.latest.X_WE.linear());
+  const double factor = components_->on_discrepancy.factor();
+  arm.gate_inputs.requested_W_E = arm.frames.flange_twist(
+      {factor * V_O_G.linear, factor * V_O_G.angular}, arm.signals->robot.latest.X_WE.linear());
 }
 
 control::JointInputs Pipeline::joint_inputs(const Arm& arm) noexcept {
@@ -277,6 +280,11 @@ void Pipeline::pass_gate(Arm& arm, bool as_joints) noexcept {
     joints.J_W_E = arm.kinematics.J_W_E;
   }
   arm.output = arm.joint_gate->apply(joints, arm.gate_inputs, arm.gate);
+}
+
+control::DiscrepancyAction Pipeline::discrepancy_action() const noexcept {
+  return is_running() && trust_.is_in_doubt() ? components_->on_discrepancy.options().action
+                                              : control::DiscrepancyAction::kContinue;
 }
 
 Condition Pipeline::condition() const noexcept {

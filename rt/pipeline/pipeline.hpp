@@ -8,6 +8,7 @@
 #include "core/control/joint_gate.hpp"
 #include "core/control/safety_gate.hpp"
 #include "core/frames/arm_frames.hpp"
+#include "rt/pipeline/estimate_trust.hpp"
 #include "rt/pipeline/replacement.hpp"
 
 namespace palpate::pipeline {
@@ -86,6 +87,10 @@ class Pipeline {
   const control::GateOutput& gate_output(int arm) const noexcept { return arms_[arm].output; }
 
   Condition condition() const noexcept;  // worst condition of all slots
+  /// What the policy `control.on_discrepancy` does now; kContinue also while nothing contradicts
+  /// the model. Reason of the last discrepancy, with that action.
+  control::DiscrepancyAction discrepancy_action() const noexcept;
+  const char* discrepancy_reason() const noexcept { return trust_.reason(); }
   bool is_running() const noexcept;
 
   const registry::Object& object() const noexcept { return *components_->object; }
@@ -160,6 +165,7 @@ class Pipeline {
   std::unique_ptr<Fallbacks> fallbacks_;
   int fallbacks_taken_ = 0;
   std::array<char, 200> fallback_reason_{};
+  EstimateTrust trust_;
 
   sensing::ContactSet contacts_;    // in the frames of the sensors
   sensing::ContactSet contacts_O_;  // in O

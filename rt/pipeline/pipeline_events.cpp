@@ -48,6 +48,7 @@ void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
   for (Arm& arm : arms_) arm.gate.forget_overload();
+  trust_.reset();
   components_->start();
 }
 

@@ -82,9 +82,9 @@ bool is_key(const std::string& text) {
 }
 
 std::string complaint(const config::Option& option) {
-  static const std::set<std::string> kTaken = {"arm",      "command", "component", "fallback",
-                                               "finger",   "law",     "moves",     "name",
-                                               "provider", "sources"};
+  static const std::set<std::string> kTaken = {
+      "arm", "command", "component", "discrepancy_speed", "fallback", "finger",
+      "law", "moves",   "name",      "on_discrepancy",    "provider", "sources"};
   const std::string key = "key '" + option.key + "' ";
   if (!is_key(option.key)) return key + "is no name of a-z, 0-9 and _, at most 31 characters";
   if (kTaken.count(option.key) != 0) return key + "is palpate's own";

@@ -218,6 +218,22 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
   return true;
 }
 
+control::DiscrepancyPolicy read_discrepancy_policy(const config::Node& control) {
+  using Options = control::DiscrepancyPolicy::Options;
+  using Action = control::DiscrepancyAction;
+  return control::DiscrepancyPolicy(control.read(
+      OptionTable<Options>()
+          .choice<Action>(
+              "on_discrepancy",
+              "Motion while the wrenches contradict the model: unchanged, slowed to "
+              "discrepancy_speed, or stopped; as before once that has ended",
+              {{"continue", Action::kContinue}, {"slow", Action::kSlow}, {"stop", Action::kStop}},
+              &Options::action)
+          .number("discrepancy_speed", "",
+                  "Fraction of the commanded speed for on_discrepancy: slow", {0, 1},
+                  &Options::speed)));
+}
+
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
                                                                   const Context& context,
                                                                   shape::Feature& feature) {

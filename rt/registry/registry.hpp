@@ -5,6 +5,7 @@
 
 #include "core/contact/force_transformer.hpp"
 #include "core/control/control_law.hpp"
+#include "core/control/discrepancy_policy.hpp"
 #include "core/control/marker_observer.hpp"
 #include "core/control/safety_gate.hpp"
 #include "core/estimation/estimator.hpp"
@@ -79,6 +80,9 @@ MovingArms read_moving_arms(const config::Node& control, const Context& context)
 
 /// Key `command` of the controller: whether it commands joints instead of the hand's twist.
 bool read_commands_joints(const config::Node& control, const Context& context);
+
+/// Keys of the controller for wrenches that contradict the model.
+control::DiscrepancyPolicy read_discrepancy_policy(const config::Node& control);
 
 /// Key `arm` of a sensor model: 0, or 1 with a second arm.
 int read_arm(const config::Node& node, const Context& context);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "rt/bus/text.hpp"
+#include "tests/support/doubtful_estimator.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -25,6 +27,10 @@ class ComponentReportsTest : public ::testing::Test {
       signals.force_torque.fresh_count = signals.inertial.fresh_count = 1;
     }
     pipeline_.sense(signals);
+    serve();
+  }
+
+  void serve() {
     now_ns_ += 1'000'000;
     bus::record(*hub_, &published_);
     reports_.service(pipeline_, commands_, now_ns_, now_ns_ / 1000);
@@ -65,6 +71,40 @@ TEST_F(ComponentReportsTest, AreNoFloodWhereAStateFlickers) {
   const std::size_t count = reported().size();
   EXPECT_GE(count, 10u);
   EXPECT_LE(count, 20u);  // at 10 Hz
+}
+
+TEST_F(ComponentReportsTest, NameWhatControlDoesAboutADiscrepancy) {
+  support::Doubt doubt;
+  std::unique_ptr<estimation::Estimator>& slot = pipeline_.components_at_setup().estimator;
+  slot = std::make_unique<support::DoubtfulEstimator>(std::move(slot), doubt);
+  const sensing::Signals signals = support::at_rest(pipeline_);
+  const auto run = [&](int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      support::run(pipeline_, signals, 1);
+      serve();
+    }
+  };
+  run(200);
+  reported();
+  doubt.report.is_inconsistent = true;
+  run(200);
+  EXPECT_EQ(reported(), std::vector<std::string>{"control   slowed"});
+  doubt.report.is_inconsistent = false;
+  run(200);
+  EXPECT_EQ(reported(), std::vector<std::string>{"control   resumed"});
+  doubt.report.is_inconsistent = true;
+  run(200);
+  pipeline_.stop();
+  run(200);
+  EXPECT_EQ(reported(), std::vector<std::string>{"control   slowed"}) << "a stop resumes nothing";
+  pipeline_.start();
+  for (int i = 0; i < 2000; ++i) {
+    doubt.report.is_inconsistent = i % 2 == 0;
+    run(1);
+  }
+  const std::size_t count = reported().size();
+  EXPECT_GE(count, 10u);
+  EXPECT_LE(count, 25u) << "no flood";
 }
 
 }  // namespace
