@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/common/output_files.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::studies {
 namespace {
