@@ -85,7 +85,7 @@ void replay_world(const DiscrepancyWorld& world, const SensingRecording& recordi
   replay(scene_of(world), recording, overrides, folder, patience_of(world), reader);
 }
 
-Json json_of(const DiscrepancyWorld& world) {
+Json description_of(const DiscrepancyWorld& world) {
   Json parameters = Json::array();
   for (const runs::DrawnValue& value : world.drawn)
     parameters.push_back(
@@ -125,7 +125,7 @@ void run_world(const DiscrepancyWorld& world, const std::string& inputs_hash,
 
   const DiscrepancyScore score = score_discrepancy(world, log, pose, X_OP);
   const std::int64_t start = log.truths.front().utime;
-  Json result = json_of(world);
+  Json result = description_of(world);
   result["inputs_hash"] = inputs_hash;
   result["score"] = to_json(score, start);
   if (world.kind == "none")

@@ -9,7 +9,7 @@ namespace {
 constexpr const char* kCauseNames[] = {"unknown",     "contact",          "slip",
                                        "clamp place", "clamp compliance", "uneven stiffness",
                                        "weight",      "sensor bias"};
-constexpr int kCount = static_cast<int>(std::size(kCauseNames));
+constexpr int kCauseCount = static_cast<int>(std::size(kCauseNames));
 
 }  // namespace
 
@@ -23,14 +23,16 @@ int cause_of(const std::string& kind) {
   return discrepancy_t::CAUSE_UNKNOWN;
 }
 
-std::string cause_name(int cause) { return kCauseNames[cause >= 0 && cause < kCount ? cause : 0]; }
+std::string cause_name(int cause) {
+  return kCauseNames[cause >= 0 && cause < kCauseCount ? cause : 0];
+}
 
 std::vector<int> ranking_at(const log::RunLog& log, const std::vector<DoubtReport>& reports,
                             std::int64_t from, std::int64_t until) {
   for (auto last = log.discrepancies.rbegin(); last != log.discrepancies.rend(); ++last) {
     if (last->utime > until) continue;
     if (last->utime < from) break;
-    const int count = std::clamp(last->cause_count, 0, kCount);
+    const int count = std::clamp(last->cause_count, 0, kCauseCount);
     if (count > 0) return {last->cause, last->cause + count};
   }
   const bool is_contact =

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 using scores::ShapeErrorSample;
 
 constexpr double kLimit = 3e-3;      // m, an error that must be reported
-constexpr double kLate = 0.5;        // s after it, of a report in time
+constexpr double kInTime = 0.5;      // s after it, of a report in time
 constexpr double kTouch = 0.3e-3;    // m, between a node and an obstacle in contact
 constexpr double kNoWorse = 0.1e-3;  // m, than pose alone after the end
 constexpr double kRanked = 2;        // s after a report
@@ -124,7 +124,7 @@ class Scoring {
     double until = score_.end_of_log;
     if (score_.onset) {
       if (!score_.largest_passed) return;
-      until = *score_.largest_passed + kLate;
+      until = *score_.largest_passed + kInTime;
       score_.significance = largest_significance(log_.discrepancies, utime(onset()), utime(until));
     }
     if (!pose_.estimates.empty())

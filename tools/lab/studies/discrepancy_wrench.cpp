@@ -9,8 +9,8 @@ namespace {
 
 using math::Vector6d;
 
-constexpr std::int64_t kWindow = 50000;  // us, as the estimator's test
-constexpr double kInterval = 1.96;       // deviations of a 95 % interval
+constexpr std::int64_t kWrenchWindow = 50000;  // us, as the estimator's test
+constexpr double kNormalInterval = 1.96;       // deviations of a 95 % interval
 // Below these a share is not meaningful: the sensor's noise.
 constexpr double kLeastForce = 0.1, kLeastTorque = 0.02;  // N, N m
 
@@ -30,7 +30,7 @@ void visit_errors(const std::vector<truth_contact_t>& truth,
   for (const estimate_t& estimate : estimates) {
     if (estimate.utime < from || estimate.utime > until) continue;
     const truth_contact_t* now = log::latest(truth, estimate.utime);
-    if (now == nullptr || estimate.utime - now->utime > kWindow) continue;
+    if (now == nullptr || estimate.utime - now->utime > kWrenchWindow) continue;
     for (int hand = 0; hand < std::min(now->grasp_count, estimate.grasp_count); ++hand) {
       const Eigen::Map<const Vector6d> predicted(estimate.reaction[hand]);
       take(estimate, hand, Vector6d(true_wrench(*now, hand, X_OP) - predicted));
@@ -39,7 +39,7 @@ void visit_errors(const std::vector<truth_contact_t>& truth,
 }
 
 /// Sum of one hand's errors and predictions in a window.
-struct Window {
+struct WrenchWindow {
   Vector6d error = Vector6d::Zero(), predicted = Vector6d::Zero();
   long count = 0;
   std::int64_t begin = 0;
@@ -54,7 +54,7 @@ Vector6d scale_of(const Vector6d& wrench) {
 }
 
 /// Adds a window's mean and begins the next.
-void close(Window& window, int hand, WrenchError& total) {
+void close_window(WrenchWindow& window, int hand, WrenchError& total) {
   if (window.count == 0) return;
   const auto count = static_cast<double>(window.count);
   const Vector6d error = window.error / count,
@@ -89,12 +89,12 @@ WrenchError wrench_error(const std::vector<truth_contact_t>& truth,
                          const std::vector<estimate_t>& estimates, const math::Pose& X_OP,
                          std::int64_t from, std::int64_t until) {
   WrenchError total;
-  std::array<Window, 2> windows;
+  std::array<WrenchWindow, 2> windows;
   visit_errors(truth, estimates, X_OP, from, until,
                [&](const estimate_t& estimate, int hand, const Vector6d& error) {
-                 Window& window = windows[static_cast<std::size_t>(hand)];
-                 if (window.count > 0 && estimate.utime >= window.begin + kWindow)
-                   close(window, hand, total);
+                 WrenchWindow& window = windows[static_cast<std::size_t>(hand)];
+                 if (window.count > 0 && estimate.utime >= window.begin + kWrenchWindow)
+                   close_window(window, hand, total);
                  if (window.count == 0) window.begin = estimate.utime;
                  window.error += error;
                  window.predicted += Eigen::Map<const Vector6d>(estimate.reaction[hand]);
@@ -102,7 +102,7 @@ WrenchError wrench_error(const std::vector<truth_contact_t>& truth,
                  total.hands = std::max(total.hands, hand + 1);
                });
   for (int hand = 0; hand < total.hands; ++hand)
-    close(windows[static_cast<std::size_t>(hand)], hand, total);
+    close_window(windows[static_cast<std::size_t>(hand)], hand, total);
   if (total.windows == 0) return total;
   for (WrenchError::Components* sum : {&total.mean_square, &total.mean_square_share})
     for (Vector6d& of_hand : *sum) of_hand /= static_cast<double>(total.windows);
@@ -133,7 +133,7 @@ WrenchBelief wrench_belief(const std::vector<truth_contact_t>& truth,
                    const double deviation = estimate.reaction_deviation[hand][i];
                    if (!(deviation > 0)) continue;
                    const double normalised = error[i] / deviation;
-                   belief.share_inside += std::abs(normalised) <= kInterval ? 1 : 0;
+                   belief.share_inside += std::abs(normalised) <= kNormalInterval ? 1 : 0;
                    belief.normalised_square += normalised * normalised;
                    ++belief.count;
                  }

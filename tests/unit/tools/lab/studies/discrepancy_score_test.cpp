@@ -192,8 +192,8 @@ TEST(DiscrepancyScore, RankingsAreThoseAfterTheReportAndAtTheEnd) {
   for (discrepancy_t& message : run.discrepancies) {
     if (message.utime < us(3)) continue;
     message.cause_count = 2;
-    const bool is_early = message.utime < us(4.6);
-    message.cause[0] = is_early ? discrepancy_t::CAUSE_SLIP : discrepancy_t::CAUSE_WEIGHT;
+    message.cause[0] = discrepancy_t::CAUSE_SLIP;
+    if (message.utime > us(4.6)) message.cause[0] = discrepancy_t::CAUSE_WEIGHT;
     message.cause[1] = discrepancy_t::CAUSE_CONTACT;
   }
   const DiscrepancyScore score = scored(weight(1.9, 5), run);

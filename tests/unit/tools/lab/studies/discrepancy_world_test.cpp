@@ -25,7 +25,7 @@ DiscrepancyPlan shipped() {
 }
 
 std::vector<DiscrepancyWorld> worlds(const std::string& set, int count, int seed = 1) {
-  return make_worlds(shipped(), {set, count, seed, "none"}, kSource);
+  return make_worlds(shipped(), {set, count, seed, "none", "", 0}, kSource);
 }
 
 /// What an override sets, as a document of its own.
@@ -165,8 +165,8 @@ TEST(DiscrepancyWorlds, ScenesOfMotionAndWeightAreRead) {
 
 TEST(DiscrepancyWorlds, ModelErrorsAreDrawnBesides) {
   const DiscrepancyPlan plan = shipped();
-  const auto drawn = make_worlds(plan, {"scoring", 5, 1, "uncalibrated"}, kSource),
-             exact = make_worlds(plan, {"scoring", 5, 1, "none"}, kSource);
+  const auto drawn = make_worlds(plan, {"scoring", 5, 1, "uncalibrated", "", 0}, kSource),
+             exact = make_worlds(plan, {"scoring", 5, 1, "none", "", 0}, kSource);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     EXPECT_EQ(drawn[i].name, exact[i].name);
     EXPECT_GT(drawn[i].drawn.size(), exact[i].drawn.size() + 20);
