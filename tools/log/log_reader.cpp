@@ -7,15 +7,17 @@
 
 namespace palpate::log {
 
-void LogReader::collect(const std::string& channel, std::vector<shape_t>& into) {
+void LogReader::collect(const std::string& channel, std::vector<shape_t>& into,
+                        std::int64_t least_period) {
   const auto assembler = std::make_shared<bus::ShapeAssembler>();
-  handlers_[channel] = [&into, assembler, clock = clock_](const bus::LoggedEvent& event) {
+  handlers_[channel] = [&into, assembler, least_period,
+                        clock = clock_](const bus::LoggedEvent& event) {
     shape_t chunk;
     if (!bus::decode(chunk, event.data, event.size)) return false;
     shape_t* shape = assembler->add(std::move(chunk));
     if (shape == nullptr) return true;
-    into.push_back(std::move(*shape));
-    if (clock == LogClock::kReceived) into.back().utime = event.utime;
+    if (clock == LogClock::kReceived) shape->utime = event.utime;
+    if (is_due(into, *shape, least_period)) into.push_back(std::move(*shape));
     return true;
   };
 }
@@ -55,17 +57,17 @@ void order_as_sent(std::vector<Messages>&... messages) {
 }  // namespace
 
 RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
-                LogClock clock) {
+                LogClock clock, std::int64_t least_period) {
   RunLog run;
   LogReader loop(clock);
-  loop.collect(channel::kTwistCommand, run.commands);
+  loop.collect(channel::kTwistCommand, run.commands, least_period);
   loop.collect(channel::kFeature, run.features);
-  loop.collect(channel::kEstimate, run.estimates);
+  loop.collect(channel::kEstimate, run.estimates, least_period);
   loop.collect(channel::kUnknownContact, run.unknown_contacts);
   loop.collect(channel::kDiscrepancy, run.discrepancies);
   loop.collect(channel::kShapeTarget, run.targets);
-  loop.collect(channel::kRobotState, run.robot);
-  loop.collect(channel::kContacts, run.contacts);
+  loop.collect(channel::kRobotState, run.robot, least_period);
+  loop.collect(channel::kContacts, run.contacts, least_period);
   loop.collect(channel::kShapeObservation, run.observations);
   loop.read(control);
   if (clock == LogClock::kSent) {
@@ -75,11 +77,11 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   }
 
   LogReader slow(clock);
-  slow.collect(channel::kShape, run.shapes);
+  slow.collect(channel::kShape, run.shapes, least_period);
   slow.collect(channel::kShapeMesh, run.shape_chunks);
-  slow.collect(channel::kTruthShape, run.truths);
+  slow.collect(channel::kTruthShape, run.truths, least_period);
   slow.collect(channel::kTruthMesh, run.truth_chunks);
-  slow.collect(channel::kTruthContact, run.truth_contacts);
+  slow.collect(channel::kTruthContact, run.truth_contacts, least_period);
   slow.collect(channel::kTruthTouch, run.truth_touches);
   slow.collect(channel::kHealth, run.health);
   slow.collect(channel::kComponentEvent, run.events);

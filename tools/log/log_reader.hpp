@@ -41,18 +41,21 @@ class LogReader {
  public:
   explicit LogReader(LogClock clock = LogClock::kReceived) : clock_(clock) {}
 
+  /// Of messages that follow each other within `least_period` (us) the first is kept.
   template <class Message>
-  void collect(const std::string& channel, std::vector<Message>& into) {
-    handlers_[channel] = [&into, clock = clock_](const bus::LoggedEvent& event) {
+  void collect(const std::string& channel, std::vector<Message>& into,
+               std::int64_t least_period = 0) {
+    handlers_[channel] = [&into, least_period, clock = clock_](const bus::LoggedEvent& event) {
       Message message;
       if (!bus::decode(message, event.data, event.size)) return false;
       if (clock == LogClock::kReceived) message.utime = event.utime;
-      into.push_back(std::move(message));
+      if (is_due(into, message, least_period)) into.push_back(std::move(message));
       return true;
     };
   }
   /// Whole shapes, joined from their chunks.
-  void collect(const std::string& channel, std::vector<shape_t>& into);
+  void collect(const std::string& channel, std::vector<shape_t>& into,
+               std::int64_t least_period = 0);
 
   /// Reports damaged parts of the file on stderr, and continues after them. Throws
   /// std::runtime_error if the file cannot be read or is not a log.
@@ -62,6 +65,12 @@ class LogReader {
   long undecodable() const { return undecodable_; }
 
  private:
+  template <class Message>
+  static bool is_due(const std::vector<Message>& kept, const Message& next,
+                     std::int64_t least_period) {
+    return least_period <= 0 || kept.empty() || next.utime >= kept.back().utime + least_period;
+  }
+
   std::map<std::string, std::function<bool(const bus::LoggedEvent&)>> handlers_;
   LogClock clock_;
   long events_ = 0;
@@ -99,8 +108,9 @@ const Message* latest(const std::vector<Message>& messages, std::int64_t utime) 
 }
 
 /// With the senders' clock a target, whose sender does not run in lock-step, counts from the first
-/// FEATURE that follows it.
+/// FEATURE that follows it. `least_period`: us, between messages of the loop's rate and shapes that
+/// are kept.
 RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
-                LogClock clock = LogClock::kReceived);
+                LogClock clock = LogClock::kReceived, std::int64_t least_period = 0);
 
 }  // namespace palpate::log

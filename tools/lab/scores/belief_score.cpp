@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/lab/scores/truth_points.hpp"
+#include "tools/lab/scores/node_belief.hpp"
 
 namespace palpate::scores {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kBall = 2.7955;  // sqrt of the 95 % quantile of chi-squared, 3 degrees
 constexpr std::int64_t kModulusEach = 100000;  // us
 constexpr double kMoves = 1e-4;                // m or, of the quaternion, 1 in that time
 constexpr double kSoon = 3;                    // s of motion within which E must be identified
@@ -20,26 +19,12 @@ constexpr double kSoon = 3;                    // s of motion within which E mus
 double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
 void score_deviations(const log::RunLog& run, const math::Pose& X_OP, BeliefScore& score) {
-  const log::MeshMessage estimate = log::assemble(run.shape_chunks),
-                         plant = log::assemble(run.truth_chunks);
-  const TruthPoints points(plant, estimate, estimate.nodes, X_OP);
-  const log::PlantMotion motion(run.truths);
-  Eigen::Matrix3Xd truth;
-  long inside = 0, count = 0;
-  for (const shape_t& shape : run.shapes) {
-    if (shape.mesh_hash != estimate.hash || shape.node_count != estimate.nodes.cols()) continue;
-    if (shape.deviation_count != shape.node_count || !motion.at(shape.utime, truth)) continue;
-    const Eigen::Matrix3Xd error = log::positions(shape) - points.at(truth);
-    for (int i = 0; i < shape.node_count; ++i) {
-      if (!(shape.deviation[i] > 0)) continue;  // fixed, or not observable
-      inside += error.col(i).norm() <= kBall * shape.deviation[i] ? 1 : 0;
-      score.deviation += shape.deviation[i];
-      ++count;
-    }
-  }
-  if (count == 0) return;
-  score.covered = static_cast<double>(inside) / static_cast<double>(count);
-  score.deviation /= static_cast<double>(count);
+  NodeBelief belief;
+  visit_node_errors(run, X_OP, [&belief](const shape_t& shape, const Eigen::RowVectorXd& error) {
+    belief.add(shape, error);
+  });
+  score.covered = belief.covered();
+  score.deviation = belief.mean_deviation();
 }
 
 bool has_moved(const estimate_t& from, const estimate_t& to) {

@@ -1,6 +1,7 @@
 #include "tools/lab/studies/discrepancies.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <palpate/channels.hpp>
@@ -9,17 +10,17 @@
 #include "rt/config/node.hpp"
 #include "rt/registry/frames.hpp"
 #include "sim/scenes/scene.hpp"
-#include "tools/common/bootstrap.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/common/process.hpp"
 #include "tools/common/table.hpp"
+#include "tools/lab/studies/discrepancy_intervals.hpp"
+#include "tools/lab/studies/discrepancy_ranking.hpp"
 #include "tools/lab/studies/discrepancy_score.hpp"
 #include "tools/lab/studies/sensing_recording.hpp"
 #include "tools/lab/studies/study_hash.hpp"
 #include "tools/lab/studies/study_progress.hpp"
 #include "tools/lab/studies/study_scheduler.hpp"
-#include "tools/lab/studies/study_tables.hpp"
 
 namespace palpate::studies {
 namespace {
@@ -27,11 +28,23 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double kReplayPatience = 1500;  // s
 constexpr const char* kPlan = "tools/lab/studies/discrepancies.yaml";
+constexpr const char* kReport = "tools/lab/report/report_discrepancies";
+constexpr double kPatience = 1500;  // s, of a replay, and of a simulation besides its duration
+constexpr double kSlowness = 30;    // times real time, at most
+// A long world is read at fewer instants, for the sake of memory.
+constexpr double kLong = 120, kPeriod = 0.1;  // s
+constexpr double kEstimatePeriod = 0.01;      // s
+
+bool is_long(const DiscrepancyWorld& world) { return world.duration > kLong; }
+
+double patience_of(const DiscrepancyWorld& world) {
+  return kPatience + kSlowness * std::max(0.0, world.duration - kLong);
+}
 
 SensingScene scene_of(const DiscrepancyWorld& world) {
-  return {world.scene, world.scene_overrides, world.configuration, {}, world.duration};
+  return {world.scene, world.scene_overrides, world.configuration,
+          {},          world.duration,        is_long(world) ? kPeriod : 0};
 }
 
 std::vector<std::string> hashes_of_programs() {
@@ -52,7 +65,42 @@ std::string hash_of(const DiscrepancyWorld& world, const std::vector<std::string
   return hash_of_inputs(job, programs);
 }
 
-/// Simulates the world unless its recording exists, replays it and leaves result.json.
+/// Replays the recording by an estimator: shapes, estimates and what they report.
+void replay_world(const DiscrepancyWorld& world, const SensingRecording& recording,
+                  const std::vector<std::string>& overrides, const fs::path& folder,
+                  log::RunLog& log) {
+  log.shapes.clear();
+  log.shape_chunks.clear();
+  log.estimates.clear();
+  log.health.clear();
+  const std::int64_t shape_period = is_long(world) ? std::llround(1e6 * kPeriod) : 0,
+                     estimate_period = is_long(world) ? std::llround(1e6 * kEstimatePeriod) : 0;
+  log::LogReader reader(log::LogClock::kSent);
+  reader.collect(channel::kShape, log.shapes, shape_period);
+  reader.collect(channel::kShapeMesh, log.shape_chunks);
+  reader.collect(channel::kEstimate, log.estimates, estimate_period);
+  reader.collect(channel::kUnknownContact, log.unknown_contacts);
+  reader.collect(channel::kDiscrepancy, log.discrepancies);
+  reader.collect(channel::kHealth, log.health);
+  replay(scene_of(world), recording, overrides, folder, patience_of(world), reader);
+}
+
+Json description_of(const DiscrepancyWorld& world) {
+  Json parameters = Json::array();
+  for (const runs::DrawnValue& value : world.drawn)
+    parameters.push_back(
+        {{"parameter", value.parameter}, {"unit", value.unit}, {"value", value.value}});
+  const int cause = cause_of(world.kind);
+  return {{"version", PALPATE_VERSION},
+          {"name", world.name},
+          {"kind", world.kind},
+          {"object", world.object},
+          {"cause", cause == discrepancy_t::CAUSE_UNKNOWN ? Json() : Json(cause_name(cause))},
+          {"parameters", parameters}};
+}
+
+/// Simulates the world unless its recording exists, replays it by pose alone and by the method, and
+/// leaves result.json.
 void run_world(const DiscrepancyWorld& world, const std::string& inputs_hash,
                const fs::path& folder) {
   fs::create_directories(folder);
@@ -61,87 +109,30 @@ void run_world(const DiscrepancyWorld& world, const std::string& inputs_hash,
   log.truths = std::move(recording.truth.truths);
   log.truth_chunks = std::move(recording.truth.truth_chunks);
   log.truth_contacts = std::move(recording.truth.truth_contacts);
-  log::LogReader reader(log::LogClock::kSent);
-  reader.collect(channel::kShape, log.shapes);
-  reader.collect(channel::kShapeMesh, log.shape_chunks);
-  reader.collect(channel::kEstimate, log.estimates);
-  reader.collect(channel::kHealth, log.health);
-  replay(scene_of(world), recording, world.daemon_overrides, folder, kReplayPatience, reader);
-
-  const config::Node scene = config::Node::load_file(world.scene.string(), world.scene_overrides),
-                     configuration = config::Node::load_file(world.configuration.string(),
-                                                             world.daemon_overrides);
+  const scenes::Scene scene =
+      scenes::read_scene(config::Node::load_file(world.scene.string(), world.scene_overrides));
   const math::Pose X_OP =
-      registry::read_frames(configuration).X_WO.inverse() * scenes::read_scene(scene).X_WO;
-  Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION},
-              {"name", world.name},         {"kind", world.kind},
-              {"object", world.object},     {"score", to_json(score_discrepancy(world, log, X_OP))},
-              {"parameters", Json::array()}};
-  for (const runs::DrawnValue& value : world.drawn)
-    result["parameters"].push_back(
-        {{"parameter", value.parameter}, {"unit", value.unit}, {"value", value.value}});
+      registry::read_frames(
+          config::Node::load_file(world.configuration.string(), world.daemon_overrides))
+          .X_WO.inverse() *
+      scene.X_WO;
+
+  std::vector<std::string> overrides = world.daemon_overrides;
+  overrides.emplace_back("estimation={component: pose_driven}");
+  replay_world(world, recording, overrides, folder, log);
+  const PoseAlone pose = pose_alone(log, X_OP);
+  replay_world(world, recording, world.daemon_overrides, folder, log);
+
+  const DiscrepancyScore score = score_discrepancy(world, log, pose, X_OP);
+  const std::int64_t start = log.truths.front().utime;
+  Json result = description_of(world);
+  result["inputs_hash"] = inputs_hash;
+  result["score"] = to_json(score, start);
+  if (world.kind == "none")
+    result["intervals"] = to_json(score_intervals(log, X_OP, scene.plant.young_modulus,
+                                                  start + std::llround(1e6 * world.begin)));
   common::write_json(result, folder / "result.json.part");
   fs::rename(folder / "result.json.part", folder / "result.json");
-}
-
-/// Numbers of the scores of one kind.
-std::vector<double> numbers(const std::vector<Json>& scores, const char* key,
-                            const char* since = nullptr) {
-  std::vector<double> values;
-  for (const Json& score : scores) {
-    if (!score[key].is_number() || (since != nullptr && !score[since].is_number())) continue;
-    const double from = since == nullptr ? 0 : score[since].get<double>();
-    values.push_back(score[key].get<double>() - from);
-  }
-  return values;
-}
-
-long count(const std::vector<Json>& scores, const char* key) {
-  return static_cast<long>(numbers(scores, key).size());
-}
-
-std::vector<std::string> row_of(const std::string& kind, const std::vector<Json>& scores) {
-  const auto all = std::to_string(scores.size());
-  const auto falsely = std::count_if(scores.begin(), scores.end(), [](const Json& score) {
-    return score["false_report"].get<bool>();
-  });
-  const auto unreported = std::count_if(scores.begin(), scores.end(), [](const Json& score) {
-    return score["largest_error_passed_s"].is_number() && !score["reported_s"].is_number();
-  });
-  return {kind,
-          all,
-          std::to_string(count(scores, "largest_error_passed_s")),
-          spread(numbers(scores, "largest_error_mm"), 1, true),
-          std::to_string(count(scores, "reported_s")),
-          spread(numbers(scores, "reported_s", "largest_error_passed_s"), 2, true),
-          std::to_string(unreported),
-          std::to_string(falsely),
-          spread(numbers(scores, "covered_while_reported_percent"), 0, true, true),
-          spread(numbers(scores, "covered_while_wrong_and_unreported_percent"), 0, true, true),
-          spread(numbers(scores, "recovered_s"), 1, true)};
-}
-
-ReportTable table_of(const std::vector<Json>& results) {
-  ReportTable table{{"discrepancy", "worlds", "error passes 3 mm in", "largest error mm",
-                     "reported in", "s after 3 mm", "passes 3 mm unreported", "reported falsely",
-                     "nodes in 95 % ball, reported %", "unreported above 3 mm %",
-                     "s to below 3 mm after the end"},
-                    {}};
-  std::vector<std::string> kinds;
-  std::vector<Json> all;
-  for (const Json& result : results) {
-    all.push_back(result["score"]);
-    const auto kind = result["kind"].get<std::string>();
-    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) kinds.push_back(kind);
-  }
-  for (const std::string& kind : kinds) {
-    std::vector<Json> scores;
-    for (const Json& result : results)
-      if (result["kind"] == kind) scores.push_back(result["score"]);
-    table.rows.push_back(row_of(kind, scores));
-  }
-  if (!all.empty()) table.rows.push_back(row_of("all", all));
-  return table;
 }
 
 void print_list(const std::vector<DiscrepancyWorld>& worlds, std::ostream& out) {
@@ -158,14 +149,39 @@ struct DiscrepanciesCommand::Options {
   fs::path plan;
   fs::path output = "out/discrepancies";
   fs::path json;
-  std::string set = "scoring";
-  std::string errors;  // empty: the plan's
-  int worlds = 100;
-  int seed = 1;
+  WorldSelection selection;
   int workers = 2;
-  bool list = false;
+  bool list = false, discards = false;
   std::string world;
 };
+
+namespace {
+
+/// The program and options that make the same worlds again.
+std::vector<std::string> command_of(const WorldSelection& selection, const fs::path& plan,
+                                    const fs::path& root, const fs::path& folder) {
+  std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
+                                   "--root",
+                                   root.string(),
+                                   "discrepancies",
+                                   "--plan",
+                                   plan.string(),
+                                   "--worlds",
+                                   std::to_string(selection.count),
+                                   "--seed",
+                                   std::to_string(selection.seed),
+                                   "--set",
+                                   selection.set,
+                                   "--minutes",
+                                   common::formatted("%.9g", selection.minutes),
+                                   "--output",
+                                   folder.string()};
+  if (!selection.errors.empty()) command.insert(command.end(), {"--errors", selection.errors});
+  if (!selection.kind.empty()) command.insert(command.end(), {"--kind", selection.kind});
+  return command;
+}
+
+}  // namespace
 
 DiscrepanciesCommand::DiscrepanciesCommand(CLI::App& app)
     : options_(std::make_unique<Options>()),
@@ -178,20 +194,32 @@ DiscrepanciesCommand::DiscrepanciesCommand(CLI::App& app)
   Options& o = *options_;
   command_->add_option("--plan", o.plan, std::string("kinds and objects (default: ") + kPlan + ")")
       ->check(CLI::ExistingFile);
-  command_->add_option("--worlds", o.worlds, "number of worlds")
+  command_->add_option("--worlds", o.selection.count, "number of worlds")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command_->add_option("--seed", o.seed, "seed of the worlds")
+  command_->add_option("--seed", o.selection.seed, "seed of the worlds")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command_->add_option("--set", o.set, "scoring or tuning: their objects and random numbers differ")
+  command_
+      ->add_option("--set", o.selection.set,
+                   "scoring or tuning: their objects and random numbers differ")
       ->capture_default_str();
-  command_->add_option("--errors", o.errors,
+  command_->add_option("--errors", o.selection.errors,
                        "distribution of the model errors besides, or none (default: the plan's)");
+  command_->add_option("--kind", o.selection.kind,
+                       "kind of all worlds (default: each by its share)");
+  command_
+      ->add_option("--minutes", o.selection.minutes,
+                   "least duration of the worlds of the kind none, for false reports in free air")
+      ->check(CLI::Range(0.0, 60.0));
   command_
       ->add_option("--output", o.output, "folder of recordings and results, about 30 MB a world")
       ->capture_default_str();
-  command_->add_option("--json", o.json, "file for the table and all results");
+  command_->add_flag("--discard", o.discards, "remove the recording of a world once it is scored");
+  command_->add_option(
+      "--json", o.json,
+      "file for all results, tables and goals; a page is made next to it (default: "
+      "discrepancies.json in the output folder)");
   command_->add_option("--jobs", o.workers, "worlds side by side")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
@@ -206,9 +234,8 @@ std::optional<int> DiscrepanciesCommand::run(const fs::path& root, std::ostream&
   const Options& o = *options_;
   const fs::path plan_file = fs::absolute(o.plan.empty() ? root / kPlan : o.plan),
                  folder = fs::absolute(o.output);
-  const std::vector<DiscrepancyWorld> worlds =
-      make_worlds(read_discrepancy_plan(plan_file, fs::absolute(root)), o.set, o.worlds, o.seed,
-                  o.errors, fs::absolute(root));
+  const std::vector<DiscrepancyWorld> worlds = make_worlds(
+      read_discrepancy_plan(plan_file, fs::absolute(root)), o.selection, fs::absolute(root));
   if (o.list) {
     print_list(worlds, out);
     return 0;
@@ -219,19 +246,13 @@ std::optional<int> DiscrepanciesCommand::run(const fs::path& root, std::ostream&
   for (const DiscrepancyWorld& world : worlds) {
     if (o.world == world.name) {
       run_world(world, hash_of(world, programs), folder / world.name);
+      if (o.discards) fs::remove_all(folder / world.name / "recording");
       return 0;
     }
-    Task task{world.name,
-              {fs::read_symlink("/proc/self/exe").string(), "--root", fs::absolute(root).string(),
-               "discrepancies", "--plan", plan_file.string(), "--worlds", std::to_string(o.worlds),
-               "--seed", std::to_string(o.seed), "--set", o.set, "--output", folder.string(),
-               "--world", world.name},
-              folder / world.name,
-              hash_of(world, programs)};
-    if (!o.errors.empty()) {
-      task.command.emplace_back("--errors");
-      task.command.push_back(o.errors);
-    }
+    Task task{world.name, command_of(o.selection, plan_file, fs::absolute(root), folder),
+              folder / world.name, hash_of(world, programs)};
+    task.command.insert(task.command.end(), {"--world", world.name});
+    if (o.discards) task.command.emplace_back("--discard");
     tasks.push_back(std::move(task));
   }
   if (!o.world.empty()) throw std::invalid_argument("no world is called " + o.world);
@@ -239,6 +260,8 @@ std::optional<int> DiscrepanciesCommand::run(const fs::path& root, std::ostream&
   ScheduleDisplay display;
   SchedulerOptions options;
   options.workers = o.workers;
+  for (const DiscrepancyWorld& world : worlds)
+    options.patience = std::max(options.patience, 3 * patience_of(world));
   options.show = [&display](const ScheduleStatus& status) { display.show(status); };
   std::vector<Json> results;
   std::vector<std::string> failures;
@@ -251,21 +274,15 @@ std::optional<int> DiscrepanciesCommand::run(const fs::path& root, std::ostream&
     std::ifstream in(tasks[i].folder / "result.json");
     results.push_back(Json::parse(in));
   }
-  const ReportTable table = table_of(results);
-  common::Table text(table.header);
-  for (const std::vector<std::string>& row : table.rows) text.add(row);
-  text.print(out);
-  out << "spreads: median; 90 %; worst\n";
+  const fs::path file = o.json.empty() ? folder / "discrepancies.json" : fs::absolute(o.json);
+  common::write_json({{"version", PALPATE_VERSION},
+                      {"set", o.selection.set},
+                      {"seed", o.selection.seed},
+                      {"failures", failures},
+                      {"worlds", results}},
+                     file);
   for (const std::string& failure : failures) out << "FAILED: " << failure << '\n';
-  if (!o.json.empty())
-    common::write_json({{"version", PALPATE_VERSION},
-                        {"set", o.set},
-                        {"seed", o.seed},
-                        {"header", table.header},
-                        {"rows", table.rows},
-                        {"failures", failures},
-                        {"worlds", results}},
-                       o.json);
+  out << common::run_python(kReport, {file.string()});
   return failures.empty() ? 0 : 1;
 }
 

@@ -6,43 +6,53 @@
 #include <stdexcept>
 
 #include "tools/common/output_files.hpp"
-#include "tools/lab/scores/shape_score.hpp"
-#include "tools/lab/scores/truth_points.hpp"
+#include "tools/lab/studies/discrepancy_ranking.hpp"
 
 namespace palpate::studies {
 namespace {
 
 using Json = nlohmann::json;
+using scores::ShapeErrorSample;
 
-constexpr double kLimit = 3e-3;    // m, an error that must be reported
-constexpr double kTouch = 0.3e-3;  // m, between a node and an obstacle in contact
-constexpr double kBall = 2.7955;   // sqrt of the 95 % quantile of chi-squared, 3 degrees
+constexpr double kLimit = 3e-3;      // m, an error that must be reported
+constexpr double kInTime = 0.5;      // s after it, of a report in time
+constexpr double kTouch = 0.3e-3;    // m, between a node and an obstacle in contact
+constexpr double kNoWorse = 0.1e-3;  // m, than pose alone after the end
+constexpr double kRanked = 2;        // s after a report
+constexpr double kSameTime = 5e-3;   // s, of two estimates' shapes
 
-/// Shares of nodes.
-struct Coverage {
-  long inside = 0, count = 0;
-  std::optional<double> share() const {
-    if (count == 0) return std::nullopt;
-    return static_cast<double>(inside) / static_cast<double>(count);
-  }
-};
+/// Errors of a log's shapes, with times since the start of the scene.
+std::vector<ShapeErrorSample> errors_of(const log::RunLog& log, const math::Pose& X_OP) {
+  std::vector<ShapeErrorSample> errors = scores::score_shape(log, X_OP).samples;
+  const double shift =
+      1e-6 * static_cast<double>(log.shapes.front().utime - log.truths.front().utime);
+  for (ShapeErrorSample& error : errors) error.time += shift;
+  return errors;
+}
 
 class Scoring {
  public:
-  Scoring(const DiscrepancyWorld& world, const log::RunLog& log, const math::Pose& X_OP)
+  Scoring(const DiscrepancyWorld& world, const log::RunLog& log, const PoseAlone& pose,
+          const math::Pose& X_OP)
       : world_(world),
         log_(log),
+        pose_(pose),
         X_OP_(X_OP),
-        shape_(scores::score_shape(log, X_OP)),
-        reports_(doubt_reports(log)),
-        start_(log.truths.front().utime),
-        shift_(time(log.shapes.front().utime)) {}
+        errors_(errors_of(log, X_OP)),
+        start_(log.truths.front().utime) {
+    score_.begin = world.begin;
+    score_.end_of_log = time(log.shapes.back().utime);
+    score_.reports = doubt_reports(log, utime(world.begin));
+  }
 
   DiscrepancyScore score() {
     find_discrepancy();
     score_errors();
     score_reports();
     score_coverage();
+    score_wrench();
+    score_rankings();
+    compare_with_pose_alone();
     if (score_.end) score_recovery();
     return score_;
   }
@@ -52,7 +62,6 @@ class Scoring {
   std::int64_t utime(double seconds) const {
     return start_ + static_cast<std::int64_t>(std::llround(1e6 * seconds));
   }
-  double end_of_log() const { return time(log_.shapes.back().utime); }
 
   void find_discrepancy() {
     if (world_.kind == "none") return;
@@ -76,139 +85,178 @@ class Scoring {
     if (score_.onset && last < time(log_.truths.back().utime) - 0.1) score_.end = last;
   }
 
-  /// Without a discrepancy its effects count from the start.
-  double onset() const { return score_.onset.value_or(0); }
-  double end() const { return score_.end.value_or(end_of_log()); }
+  /// Without a discrepancy its effects count from the beginning.
+  double onset() const { return score_.onset.value_or(score_.begin); }
+  double end() const { return score_.end.value_or(score_.end_of_log); }
 
   void score_errors() {
-    for (const scores::ShapeErrorSample& sample : shape_.samples) {
-      const double now = sample.time + shift_;
-      if (now < onset() || now > end()) continue;
+    for (const ShapeErrorSample& sample : errors_) {
+      if (sample.time < onset() || sample.time > end()) continue;
       score_.mean_error = std::max(score_.mean_error, sample.mean);
       score_.largest_error = std::max(score_.largest_error, sample.maximum);
-      if (!score_.mean_passed && sample.mean > kLimit) score_.mean_passed = now;
-      if (!score_.largest_passed && sample.maximum > kLimit) score_.largest_passed = now;
+      if (!score_.mean_passed && sample.mean > kLimit) score_.mean_passed = sample.time;
+      if (!score_.largest_passed && sample.maximum > kLimit) score_.largest_passed = sample.time;
     }
   }
 
   void score_reports() {
     const double first = score_.onset.value_or(HUGE_VAL);
-    for (const DoubtReport& report : reports_) score_.false_report |= time(report.end) < first;
+    for (const DoubtReport& report : score_.reports)
+      if (time(report.end) < first) ++score_.false_reports;
     if (!score_.onset) return;
-    const DoubtReport* report = reported_at(reports_, utime(*score_.onset));
+    const DoubtReport* report = reported_at(score_.reports, utime(*score_.onset));
     if (report == nullptr) return;
     score_.reported = std::max(time(report->begin), *score_.onset);
     score_.reason = report->reason;
   }
 
-  bool is_reported(std::int64_t now) const {
-    return std::any_of(reports_.begin(), reports_.end(), [now](const DoubtReport& report) {
-      return report.begin <= now && now <= report.end;
-    });
+  void score_coverage() {
+    scores::visit_node_errors(log_, X_OP_,
+                              [this](const shape_t& shape, const Eigen::RowVectorXd& error) {
+                                if (is_reported(score_.reports, shape.utime))
+                                  score_.reported_belief.add(shape, error);
+                                else if (error.maxCoeff() > kLimit)
+                                  score_.unreported_belief.add(shape, error);
+                              });
   }
 
-  void score_coverage() {
-    const log::MeshMessage estimate = log::assemble(log_.shape_chunks),
-                           plant = log::assemble(log_.truth_chunks);
-    const scores::TruthPoints points(plant, estimate, estimate.nodes, X_OP_);
-    const log::PlantMotion motion(log_.truths);
-    Eigen::Matrix3Xd truth;
-    Coverage reported, unreported;
-    for (const shape_t& shape : log_.shapes) {
-      if (shape.mesh_hash != estimate.hash || shape.node_count != estimate.nodes.cols()) continue;
-      if (shape.deviation_count != shape.node_count || !motion.at(shape.utime, truth)) continue;
-      const Eigen::RowVectorXd error = (log::positions(shape) - points.at(truth)).colwise().norm();
-      const bool is_now = is_reported(shape.utime);
-      if (!is_now && error.maxCoeff() <= kLimit) continue;
-      Coverage& coverage = is_now ? reported : unreported;
-      for (int i = 0; i < shape.node_count; ++i) {
-        if (!(shape.deviation[i] > 0)) continue;  // fixed, or not observable
-        coverage.inside += error[i] <= kBall * shape.deviation[i] ? 1 : 0;
-        ++coverage.count;
-      }
+  void score_wrench() {
+    double until = score_.end_of_log;
+    if (score_.onset) {
+      if (!score_.largest_passed) return;
+      until = *score_.largest_passed + kInTime;
+      score_.significance = largest_significance(log_.discrepancies, utime(onset()), utime(until));
     }
-    score_.covered = reported.share();
-    score_.covered_unreported = unreported.share();
+    if (!pose_.estimates.empty())
+      score_.wrench_error = wrench_error(log_.truth_contacts, pose_.estimates, X_OP_,
+                                         utime(std::max(onset(), score_.begin)), utime(until));
+  }
+
+  void score_rankings() {
+    if (!score_.reported) return;
+    const auto ranking = [this](double at) {
+      return ranking_at(log_, score_.reports, utime(*score_.onset), utime(at));
+    };
+    score_.early_ranking = ranking(*score_.reported + kRanked);
+    score_.late_ranking = ranking(end());
+  }
+
+  /// Error of pose alone at the time of a sample; nullptr if it has none.
+  const ShapeErrorSample* pose_at(double time) const {
+    const auto after =
+        std::lower_bound(pose_.errors.begin(), pose_.errors.end(), time - kSameTime,
+                         [](const ShapeErrorSample& sample, double t) { return sample.time < t; });
+    if (after == pose_.errors.end() || after->time > time + kSameTime) return nullptr;
+    return &*after;
+  }
+
+  void compare_with_pose_alone() {
+    double of_pose = 0;
+    int count = 0, compared = 0;
+    for (const ShapeErrorSample& sample : errors_) {
+      if (sample.time < score_.begin) continue;
+      score_.average_error += sample.mean;
+      ++count;
+      const ShapeErrorSample* pose = pose_at(sample.time);
+      if (pose == nullptr) continue;
+      of_pose += pose->mean;
+      ++compared;
+    }
+    if (count > 0) score_.average_error /= count;
+    if (compared > 0) score_.average_of_pose_alone = of_pose / compared;
   }
 
   void score_recovery() {
-    std::optional<double> since;
-    for (const scores::ShapeErrorSample& sample : shape_.samples) {
-      const double now = sample.time + shift_;
-      if (now < *score_.end) continue;
+    std::optional<double> below, no_worse;
+    for (const ShapeErrorSample& sample : errors_) {
+      const double since = sample.time - *score_.end;
+      if (since < 0) continue;
       if (sample.maximum > kLimit)
-        since.reset();
-      else if (!since)
-        since = now - *score_.end;
+        below.reset();
+      else if (!below)
+        below = since;
+      const ShapeErrorSample* pose = pose_at(sample.time);
+      if (pose == nullptr) continue;
+      if (sample.mean > pose->mean + kNoWorse) {
+        no_worse.reset();
+        continue;
+      }
+      if (!no_worse) no_worse = since;
+      if (!score_.reached_pose_alone) score_.reached_pose_alone = since;
     }
-    score_.recovered = since;
+    score_.recovered = below;
+    score_.stays_at_pose_alone = no_worse;
     double last = *score_.end;
-    for (const DoubtReport& report : reports_)
+    for (const DoubtReport& report : score_.reports)
       if (time(report.end) > last) last = time(report.end);
-    if (last < end_of_log() - 0.05) score_.cleared = last - *score_.end;
+    if (last < score_.end_of_log - 0.05) score_.cleared = last - *score_.end;
   }
 
   const DiscrepancyWorld& world_;
   const log::RunLog& log_;
+  const PoseAlone& pose_;
   const math::Pose X_OP_;
-  const scores::ShapeScore shape_;
-  const std::vector<DoubtReport> reports_;
+  const std::vector<ShapeErrorSample> errors_;
   const std::int64_t start_;
-  const double shift_;  // s, from the start of the scene to the first shape
   DiscrepancyScore score_;
 };
 
-}  // namespace
-
-std::vector<DoubtReport> doubt_reports(const log::RunLog& log) {
-  std::vector<DoubtReport> reports;
-  bool is_open = false;
-  for (const estimate_t& estimate : log.estimates) {
-    const bool doubts = estimate.status == estimate_t::STATUS_DEGRADED;
-    if (doubts && !is_open) {
-      reports.push_back({estimate.utime, estimate.utime, ""});
-      // HEALTH follows ten times a second.
-      for (const health_t& health : log.health) {
-        if (health.utime < estimate.utime) continue;
-        if (health.state == health_t::STATE_DEGRADED)
-          reports.back().reason = reinterpret_cast<const char*>(health.reason);
-        break;
-      }
-    }
-    if (doubts) reports.back().end = estimate.utime;
-    is_open = doubts;
-  }
-  return reports;
+Json names_of(const std::vector<int>& causes) {
+  Json names = Json::array();
+  for (const int cause : causes) names.push_back(cause_name(cause));
+  return names;
 }
 
-const DoubtReport* reported_at(const std::vector<DoubtReport>& reports, std::int64_t from) {
-  const auto found = std::find_if(reports.begin(), reports.end(),
-                                  [from](const DoubtReport& report) { return report.end >= from; });
-  return found == reports.end() ? nullptr : &*found;
+}  // namespace
+
+PoseAlone pose_alone(log::RunLog& log, const math::Pose& X_OP) {
+  return {errors_of(log, X_OP), std::move(log.estimates)};
 }
 
 DiscrepancyScore score_discrepancy(const DiscrepancyWorld& world, const log::RunLog& log,
-                                   const math::Pose& X_OP) {
+                                   const PoseAlone& pose, const math::Pose& X_OP) {
   if (log.truths.empty() || log.shapes.empty() || log.estimates.empty())
     throw std::runtime_error("the log holds no truth or no estimate");
-  return Scoring(world, log, X_OP).score();
+  return Scoring(world, log, pose, X_OP).score();
 }
 
-nlohmann::json to_json(const DiscrepancyScore& score) {
+nlohmann::json to_json(const DiscrepancyScore& score, std::int64_t start) {
+  const auto seconds = [start](std::int64_t utime) {
+    return 1e-6 * static_cast<double>(utime - start);
+  };
+  Json reports = Json::array();
+  for (const DoubtReport& report : score.reports)
+    reports.push_back({{"begin_s", seconds(report.begin)},
+                       {"end_s", seconds(report.end)},
+                       {"reason", report.reason}});
+  const double free = std::min(score.onset.value_or(score.end_of_log), score.end_of_log);
   return {{"onset_s", common::or_null(score.onset)},
           {"end_s", common::or_null(score.end)},
+          {"end_of_log_s", score.end_of_log},
+          {"free_air_s", std::max(0.0, free - score.begin)},
           {"mean_error_passed_s", common::or_null(score.mean_passed)},
           {"largest_error_passed_s", common::or_null(score.largest_passed)},
           {"mean_error_mm", 1e3 * score.mean_error},
           {"largest_error_mm", 1e3 * score.largest_error},
+          {"average_error_mm", 1e3 * score.average_error},
+          {"average_error_of_pose_alone_mm", common::or_null(score.average_of_pose_alone, 1e3)},
+          {"reports", reports},
           {"reported_s", common::or_null(score.reported)},
           {"reason", score.reason},
-          {"false_report", score.false_report},
-          {"covered_while_reported_percent", common::or_null(score.covered, 100)},
+          {"false_reports", score.false_reports},
+          {"covered_while_reported_percent", common::or_null(score.reported_belief.covered(), 100)},
+          {"nodes_while_reported", score.reported_belief.count()},
+          {"nodes_inside_while_reported", score.reported_belief.inside()},
           {"covered_while_wrong_and_unreported_percent",
-           common::or_null(score.covered_unreported, 100)},
+           common::or_null(score.unreported_belief.covered(), 100)},
           {"recovered_s", common::or_null(score.recovered)},
-          {"cleared_s", common::or_null(score.cleared)}};
+          {"cleared_s", common::or_null(score.cleared)},
+          {"reached_pose_alone_s", common::or_null(score.reached_pose_alone)},
+          {"stays_at_pose_alone_s", common::or_null(score.stays_at_pose_alone)},
+          {"significance", common::or_null(score.significance)},
+          {"wrench_error", score.wrench_error ? to_json(*score.wrench_error) : Json()},
+          {"ranking_2s_after_report", names_of(score.early_ranking)},
+          {"ranking_at_the_end", names_of(score.late_ranking)}};
 }
 
 }  // namespace palpate::studies

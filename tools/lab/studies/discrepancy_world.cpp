@@ -1,7 +1,6 @@
 #include "tools/lab/studies/discrepancy_world.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -42,7 +41,9 @@ struct DrawnLeg {
 /// One world; its random numbers are of a stream of its own.
 class World {
  public:
-  World(const DiscrepancyObject& object, const DiscrepancyKind& kind, math::Random random)
+  /// least: s, of the motion of the kind none.
+  World(const DiscrepancyObject& object, const DiscrepancyKind& kind, double least,
+        math::Random random)
       : object_(object),
         kind_(kind),
         random_(random),
@@ -51,7 +52,12 @@ class World {
     world_.object = object.name;
     world_.scene = object.scene;
     world_.configuration = object.configuration;
-    for (DrawnLeg& leg : legs_) leg = random_leg();
+    for (int i = 0; i < kLegs; ++i) legs_.push_back(random_leg());
+    if (kind.name != "none") return;
+    double duration = 0;
+    for (const DrawnLeg& leg : legs_) duration += leg.move + leg.hold;
+    for (; duration < least; duration += legs_.back().move + legs_.back().hold)
+      legs_.push_back(random_leg());
   }
 
   /// After the model error, whose place of the clamp a shifted clamp moves.
@@ -167,6 +173,7 @@ class World {
   }
 
   void move() {
+    world_.begin = kDelay;
     world_.duration = kDelay + kSettle;
     std::string text;
     for (const DrawnLeg& leg : legs_) {
@@ -209,13 +216,21 @@ class World {
   const DiscrepancyKind& kind_;
   math::Random random_;
   const object::PlantOptions plant_;
-  std::array<DrawnLeg, kLegs> legs_;
+  std::vector<DrawnLeg> legs_;
   DiscrepancyWorld world_;
 };
 
 /// Kinds in turn by their shares, so that few worlds hold many kinds: each next world is of the
-/// kind that is furthest behind its share.
-std::vector<const DiscrepancyKind*> kinds_of(const DiscrepancyPlan& plan, int count) {
+/// kind that is furthest behind its share. All of one kind if that is given.
+std::vector<const DiscrepancyKind*> kinds_of(const DiscrepancyPlan& plan, const std::string& only,
+                                             int count) {
+  if (!only.empty()) {
+    const auto found = std::find_if(plan.kinds.begin(), plan.kinds.end(),
+                                    [&only](const auto& kind) { return kind.name == only; });
+    if (found == plan.kinds.end())
+      throw std::invalid_argument("no kind is called \"" + only + "\"");
+    return {static_cast<std::size_t>(count), &*found};
+  }
   int all = 0;
   for (const DiscrepancyKind& kind : plan.kinds) all += kind.share;
   std::vector<int> done(plan.kinds.size(), 0);
@@ -247,9 +262,9 @@ double RigidObstacle::distance(const Vector3d& p) const {
   return (p - point).cross(direction).norm() - radius;
 }
 
-std::vector<DiscrepancyWorld> make_worlds(const DiscrepancyPlan& plan, const std::string& set,
-                                          int count, int seed, const std::string& errors,
-                                          const fs::path& root) {
+std::vector<DiscrepancyWorld> make_worlds(const DiscrepancyPlan& plan,
+                                          const WorldSelection& selection, const fs::path& root) {
+  const auto& [set, count, seed, errors, kind, minutes] = selection;
   const auto objects = plan.sets.find(set);
   if (objects == plan.sets.end()) throw std::invalid_argument("no set is called \"" + set + "\"");
   const std::string distribution = errors.empty() ? plan.errors : errors;
@@ -263,7 +278,7 @@ std::vector<DiscrepancyWorld> make_worlds(const DiscrepancyPlan& plan, const std
   const uncertainty::LatinHypercube sample(math::Random(of_set).next(), count);
 
   std::vector<DiscrepancyWorld> worlds;
-  const std::vector<const DiscrepancyKind*> kinds = kinds_of(plan, count);
+  const std::vector<const DiscrepancyKind*> kinds = kinds_of(plan, kind, count);
   for (int i = 0; i < count; ++i) {
     math::Random random = of_set.split("world " + std::to_string(i + 1));
     const std::string& name = objects->second[random.below(objects->second.size())];
@@ -274,7 +289,7 @@ std::vector<DiscrepancyWorld> make_worlds(const DiscrepancyPlan& plan, const std
     if (distributions)
       error = uncertainty::draw_mismatch(*distributions, sample, i + 1, object.scene,
                                          object.configuration);
-    World maker(object, *kinds[static_cast<std::size_t>(i)], random);
+    World maker(object, *kinds[static_cast<std::size_t>(i)], 60 * minutes, random);
     DiscrepancyWorld world = maker.make(error.daemon);
     std::vector<std::string> daemon = error.daemon;
     append(daemon, world.daemon_overrides);

@@ -74,6 +74,7 @@ struct DiscrepancyWorld {
   std::vector<std::string> scene_overrides;
   std::vector<std::string> daemon_overrides;  // with those of the method
   double duration = 0;                        // s
+  double begin = 0;                           // s since the start, of the hand's motion
   /// s since the start; of an obstacle given by the truth instead: when they touch.
   double onset = 0;
   double end = std::numeric_limits<double>::infinity();  // s; infinite: it stays
@@ -81,11 +82,20 @@ struct DiscrepancyWorld {
   std::vector<runs::DrawnValue> drawn;  // of the discrepancy, then of the model error
 };
 
-/// `count` worlds of a set ("scoring"); sets and seeds have independent random numbers, and a world
-/// depends on `count` through its model error alone. `errors`: distribution in place of the plan's,
-/// or none. Throws std::invalid_argument for an unknown set.
-std::vector<DiscrepancyWorld> make_worlds(const DiscrepancyPlan& plan, const std::string& set,
-                                          int count, int seed, const std::string& errors,
+/// Which worlds of a plan.
+struct WorldSelection {
+  std::string set = "scoring";
+  int count = 100;
+  int seed = 1;
+  std::string errors;  // distribution in place of the plan's, or none; empty: the plan's
+  std::string kind;    // of all worlds; empty: each kind has its share
+  double minutes = 0;  // least duration of worlds of the kind none, by more poses
+};
+
+/// Sets and seeds have independent random numbers; a world depends on the count through its model
+/// error alone. Throws std::invalid_argument for an unknown set or kind.
+std::vector<DiscrepancyWorld> make_worlds(const DiscrepancyPlan& plan,
+                                          const WorldSelection& selection,
                                           const std::filesystem::path& root);
 
 }  // namespace palpate::studies

@@ -1,5 +1,6 @@
 #include "tools/lab/studies/sensing_recording.hpp"
 
+#include <cmath>
 #include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
 #include <palpate/channels.hpp>
@@ -82,7 +83,8 @@ SensingRecording read_recording(const SensingScene& scene, const fs::path& folde
   if (!has_result({"", {}, folder, hash_of_recording(scene)}))
     throw runs::RunFailed(folder.string() + " holds no recording of this scene");
   const fs::path sensors = folder / kSensorLog;
-  return {sensors, log::read_run(sensors, folder / kTruthLog, log::LogClock::kSent)};
+  return {sensors, log::read_run(sensors, folder / kTruthLog, log::LogClock::kSent,
+                                 std::llround(1e6 * scene.period))};
 }
 
 SensingRecording record_sensing(const SensingScene& scene, const fs::path& folder) {

@@ -21,6 +21,7 @@ struct SensingScene {
   std::filesystem::path configuration;
   std::vector<std::string> daemon_overrides;
   double duration = 0;  // s; 0: that of the scene's motion
+  double period = 0;    // s, between instants of the truth that are read, at least
 };
 
 /// Hash of all inputs of a recording: scene and configuration after overrides, the files that they

@@ -40,6 +40,7 @@ log::RunLog reporting_run(const scores::Deformation& truth = at_rest) {
   for (int i = 0; i < 100 * static_cast<int>(kSeconds); ++i) {
     estimate_t estimate{};
     estimate.utime = 10000 * i;
+    estimate.unknown_contact_deviation = -1;
     if (is_reported(0.01 * i)) estimate.status = estimate_t::STATUS_DEGRADED;
     run.estimates.push_back(estimate);
     if (i % 10 != 0) continue;
@@ -62,7 +63,27 @@ DiscrepancyWorld weight(double onset, double end) {
 }
 
 DiscrepancyScore scored(const DiscrepancyWorld& world, const log::RunLog& log) {
-  return score_discrepancy(world, log, math::Pose::Identity());
+  return score_discrepancy(world, log, {}, math::Pose::Identity());
+}
+
+std::int64_t us(double seconds) { return std::llround(1e6 * seconds); }
+
+/// DISCREPANCY twenty times a second, of one hand, with a difference of `significance(time)`
+/// deviations along y.
+template <class Significance>
+std::vector<discrepancy_t> discrepancies(const Significance& significance) {
+  std::vector<discrepancy_t> messages;
+  for (double time = 0.02; time < kSeconds; time += 0.05) {
+    discrepancy_t message{};
+    message.utime = us(time);
+    message.grasp_count = 1;
+    for (double& deviation : message.deviation[0]) deviation = 0.5;
+    message.deviation[0][5] = -1;   // not available
+    message.difference[0][5] = 99;  // and not counted
+    message.difference[0][1] = -0.5 * significance(time);
+    messages.push_back(message);
+  }
+  return messages;
 }
 
 TEST(DiscrepancyScore, TimesAreThoseOfTheLog) {
@@ -72,35 +93,35 @@ TEST(DiscrepancyScore, TimesAreThoseOfTheLog) {
   EXPECT_NEAR(score.largest_error, 0.01, 1e-5);
   EXPECT_NEAR(*score.reported, 2.5, 0.02);
   EXPECT_EQ(score.reason, "unexplained wrench");
-  EXPECT_FALSE(score.false_report);
+  EXPECT_EQ(score.false_reports, 0);
   EXPECT_NEAR(*score.recovered, 0.7, 0.02);  // below 3 mm at 4.7 s
   EXPECT_NEAR(*score.cleared, 1.5, 0.02);
 }
 
 TEST(DiscrepancyScore, CoverageIsOfTheTimeWithAndWithoutAReport) {
   const DiscrepancyScore score = scored(weight(1.9, 4), reporting_run());
-  EXPECT_EQ(score.covered, 1.0);             // 10 mm within 28 mm
-  EXPECT_EQ(score.covered_unreported, 0.0);  // more than 3 mm, but 2.8 mm reported
+  EXPECT_EQ(score.reported_belief.covered(), 1.0);    // 10 mm within 28 mm
+  EXPECT_EQ(score.unreported_belief.covered(), 0.0);  // more than 3 mm, but 2.8 mm reported
 }
 
 TEST(DiscrepancyScore, AReportWithoutADiscrepancyIsFalse) {
   DiscrepancyWorld none;
   none.kind = "none";
   const DiscrepancyScore score = scored(none, reporting_run());
-  EXPECT_TRUE(score.false_report);
+  EXPECT_EQ(score.false_reports, 1);
   EXPECT_FALSE(score.onset);
   EXPECT_FALSE(score.reported);
   EXPECT_TRUE(score.largest_passed) << "the error itself is still counted";
   // One that ends before the onset is false as well, and not that of the discrepancy.
   const DiscrepancyScore late = scored(weight(5.6, 5.9), reporting_run());
-  EXPECT_TRUE(late.false_report);
+  EXPECT_EQ(late.false_reports, 1);
   EXPECT_FALSE(late.reported);
   EXPECT_FALSE(late.largest_passed);
 }
 
 TEST(DiscrepancyScore, AReportThatLastsAtTheOnsetCountsFromIt) {
   const DiscrepancyScore score = scored(weight(3, 4), reporting_run());
-  EXPECT_FALSE(score.false_report);
+  EXPECT_EQ(score.false_reports, 0);
   EXPECT_NEAR(*score.reported, 3, 1e-6);
 }
 
@@ -109,12 +130,13 @@ TEST(DiscrepancyScore, WhatNeverHappensIsEmpty) {
   for (estimate_t& estimate : run.estimates) estimate.status = estimate_t::STATUS_OK;
   const DiscrepancyScore silent = scored(weight(1.9, 4), run);
   EXPECT_FALSE(silent.reported);
-  EXPECT_FALSE(silent.covered);
-  EXPECT_NEAR(*silent.covered_unreported, 2.2 / 2.4, 0.01);  // the deviations are as wide as before
+  EXPECT_FALSE(silent.reported_belief.covered());
+  EXPECT_NEAR(*silent.unreported_belief.covered(), 2.2 / 2.4,
+              0.01);  // the deviations are as wide as before
   const DiscrepancyScore stays = scored(weight(1.9, HUGE_VAL), reporting_run());
   EXPECT_FALSE(stays.end);
   EXPECT_FALSE(stays.recovered);
-  EXPECT_TRUE(to_json(stays)["recovered_s"].is_null());
+  EXPECT_TRUE(to_json(stays, 0)["recovered_s"].is_null());
   run.truths.clear();
   EXPECT_THROW(scored(weight(1, 2), run), std::runtime_error);
 }
@@ -134,7 +156,68 @@ TEST(DiscrepancyScore, AnObstacleBeginsWhenTheyTouch) {
   world.obstacle->point.z() = -1;
   const DiscrepancyScore never = scored(world, reporting_run(sinking));
   EXPECT_FALSE(never.onset);
-  EXPECT_TRUE(never.false_report);
+  EXPECT_EQ(never.false_reports, 1);
+}
+
+TEST(DiscrepancyScore, ReportsBeforeTheMotionBeginsDoNotCount) {
+  DiscrepancyWorld none;
+  none.kind = "none";
+  none.begin = 5.6;
+  EXPECT_EQ(scored(none, reporting_run()).false_reports, 0);
+  none.begin = 5;
+  const DiscrepancyScore score = scored(none, reporting_run());
+  EXPECT_EQ(score.false_reports, 1);
+  EXPECT_EQ(score.reports.at(0).begin, us(5));
+  EXPECT_NEAR(to_json(score, 0)["free_air_s"].get<double>(), kSeconds - 5, 0.03);
+}
+
+TEST(DiscrepancyScore, SignificanceIsThatUntilHalfASecondAfterTheErrorPasses) {
+  // The error passes 3 mm at 2.3 s.
+  const auto peak_at = [](double at) {
+    log::RunLog run = reporting_run();
+    run.discrepancies =
+        discrepancies([at](double time) { return std::abs(time - at) < 0.03 ? 7.0 : 1.0; });
+    return *scored(weight(1.9, 4), run).significance;
+  };
+  EXPECT_NEAR(peak_at(2.0), 7, 1e-9);
+  EXPECT_NEAR(peak_at(2.75), 7, 1e-9);
+  EXPECT_NEAR(peak_at(2.9), 1, 1e-9);
+  EXPECT_NEAR(peak_at(1.8), 1, 1e-9) << "before the onset";
+  EXPECT_FALSE(scored(weight(1.9, 4), reporting_run()).significance) << "no DISCREPANCY";
+}
+
+TEST(DiscrepancyScore, RankingsAreThoseAfterTheReportAndAtTheEnd) {
+  log::RunLog run = reporting_run();  // reports from 2.5 s on
+  run.discrepancies = discrepancies([](double) { return 1; });
+  for (discrepancy_t& message : run.discrepancies) {
+    if (message.utime < us(3)) continue;
+    message.cause_count = 2;
+    message.cause[0] = discrepancy_t::CAUSE_SLIP;
+    if (message.utime > us(4.6)) message.cause[0] = discrepancy_t::CAUSE_WEIGHT;
+    message.cause[1] = discrepancy_t::CAUSE_CONTACT;
+  }
+  const DiscrepancyScore score = scored(weight(1.9, 5), run);
+  EXPECT_EQ(score.early_ranking,
+            (std::vector<int>{discrepancy_t::CAUSE_SLIP, discrepancy_t::CAUSE_CONTACT}));
+  EXPECT_EQ(score.late_ranking.at(0), discrepancy_t::CAUSE_WEIGHT);
+  const auto json = to_json(score, 0);
+  EXPECT_EQ(json["ranking_at_the_end"].dump(), R"(["weight","contact"])");
+}
+
+TEST(DiscrepancyScore, RecoveryIsComparedWithPoseAlone) {
+  // The weight ends at 4 s; the estimate returns until 5 s, pose alone is right from 4.2 s on.
+  const scores::Deformation pose_error = [](const Vector3d& p, double time) -> Vector3d {
+    return p + Vector3d(0, time < 4.2 ? 0.02 : 0, 0);
+  };
+  log::RunLog by_pose = scores::synthetic_run(at_rest, pose_error, kSeconds);
+  const PoseAlone pose = pose_alone(by_pose, math::Pose::Identity());
+  const DiscrepancyScore score =
+      score_discrepancy(weight(1.9, 4), reporting_run(), pose, math::Pose::Identity());
+  EXPECT_NEAR(*score.reached_pose_alone, 0, 0.02);
+  EXPECT_NEAR(*score.stays_at_pose_alone, 0.99, 0.02);  // 0.1 mm at 4.99 s
+  EXPECT_NEAR(*score.average_of_pose_alone, 0.02 * 4.2 / kSeconds, 2e-4);
+  EXPECT_NEAR(score.average_error, 0.02 / kSeconds, 1e-4);
+  EXPECT_FALSE(scored(weight(1.9, 4), reporting_run()).reached_pose_alone) << "nothing to compare";
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ DiscrepancyPlan shipped() {
 }
 
 std::vector<DiscrepancyWorld> worlds(const std::string& set, int count, int seed = 1) {
-  return make_worlds(shipped(), set, count, seed, "none", kSource);
+  return make_worlds(shipped(), {set, count, seed, "none", "", 0}, kSource);
 }
 
 /// What an override sets, as a document of its own.
@@ -71,6 +71,26 @@ TEST(DiscrepancyWorlds, AreTheSameForTheSameSeedWhateverTheirNumber) {
     EXPECT_EQ(few[i].name, many[i].name);
     EXPECT_EQ(few[i].scene_overrides, many[i].scene_overrides);
   }
+}
+
+TEST(DiscrepancyWorlds, OfOneKindAndOfAnyLength) {
+  WorldSelection selection{"scoring", 4, 1, "none", "none", 2};
+  for (const DiscrepancyWorld& world : make_worlds(shipped(), selection, kSource)) {
+    EXPECT_EQ(world.kind, "none");
+    EXPECT_GT(world.duration, 120);
+    EXPECT_LT(world.duration, 130);
+    EXPECT_EQ(world.begin, 1);
+    const scenes::Scene scene =
+        scenes::read_scene(config::Node::load_file(world.scene.string(), world.scene_overrides));
+    EXPECT_NEAR(world.duration, scene.motion->duration() + 0.5, 1e-4);
+  }
+  selection.kind = "slip";
+  for (const DiscrepancyWorld& world : make_worlds(shipped(), selection, kSource)) {
+    EXPECT_EQ(world.kind, "slip");
+    EXPECT_LT(world.duration, 60) << "longer only in free air";
+  }
+  selection.kind = "rain";
+  EXPECT_THROW(make_worlds(shipped(), selection, kSource), std::invalid_argument);
 }
 
 TEST(DiscrepancyWorlds, ObstaclesAreFreeAtRestAndInTheHandsWay) {
@@ -145,8 +165,8 @@ TEST(DiscrepancyWorlds, ScenesOfMotionAndWeightAreRead) {
 
 TEST(DiscrepancyWorlds, ModelErrorsAreDrawnBesides) {
   const DiscrepancyPlan plan = shipped();
-  const auto drawn = make_worlds(plan, "scoring", 5, 1, "uncalibrated", kSource),
-             exact = make_worlds(plan, "scoring", 5, 1, "none", kSource);
+  const auto drawn = make_worlds(plan, {"scoring", 5, 1, "uncalibrated", "", 0}, kSource),
+             exact = make_worlds(plan, {"scoring", 5, 1, "none", "", 0}, kSource);
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     EXPECT_EQ(drawn[i].name, exact[i].name);
     EXPECT_GT(drawn[i].drawn.size(), exact[i].drawn.size() + 20);
