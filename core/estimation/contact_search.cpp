@@ -26,18 +26,13 @@ constexpr double kLeastSideways = 0.02;  // N
 
 }  // namespace
 
-ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& surface,
-                             const Options& options)
-    : options_(options) {
-  math::check_positive(options.spacing, "spacing");
-  math::check_positive(options.friction, "friction");
-  math::check_positive(options.usual, "usual");
-  math::check_positive(options.deviation, "deviation");
-  math::check_positive(options.observable, "observable");
+std::vector<ContactSearch::Place> contact_places(const elasticity::Body& body,
+                                                 const mesh::Surface& surface, double spacing) {
   std::vector<bool> bound(static_cast<std::size_t>(body.mesh.node_count()), false);
   for (const int node : body.fixed_nodes) bound[node] = true;
   for (const elasticity::GraspRegion& grasp : body.grasps)
     for (const int node : grasp.nodes) bound[node] = true;
+  std::vector<ContactSearch::Place> places;
   const mesh::PointLocator locator(body.mesh);
   const Eigen::Matrix3Xd& rest = body.mesh.nodes;
   for (int t = 0; t < surface.triangles.cols(); ++t) {
@@ -47,11 +42,23 @@ ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& 
     const Eigen::Vector3d ab = rest.col(corners[1]) - a;
     const Eigen::Vector3d ac = rest.col(corners[2]) - a;
     const double side = std::max({ab.norm(), ac.norm(), (ab - ac).norm()});
-    const int parts = std::max(1, static_cast<int>(std::ceil(side / options.spacing)));
+    const int parts = std::max(1, static_cast<int>(std::ceil(side / spacing)));
     for_each_cell(parts, [&](double u, double v) {
-      places_.push_back({locator.locate(a + u * ab + v * ac), corners});
+      places.push_back({locator.locate(a + u * ab + v * ac), corners});
     });
   }
+  return places;
+}
+
+ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& surface,
+                             const Options& options)
+    : options_(options) {
+  math::check_positive(options.spacing, "spacing");
+  math::check_positive(options.friction, "friction");
+  math::check_positive(options.usual, "usual");
+  math::check_positive(options.deviation, "deviation");
+  math::check_positive(options.observable, "observable");
+  places_ = contact_places(body, surface, options.spacing);
   math::check_option(!places_.empty(), "surface", places_.size(),
                      "at least one triangle that is neither fixed nor held");
   next_ = place_count();

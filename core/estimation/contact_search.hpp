@@ -87,4 +87,9 @@ class ContactSearch {
   std::array<bool, 2> held_{};
 };
 
+/// Points on those parts of the surface that are neither fixed nor held, at most `spacing` (m)
+/// apart. Empty if there is none.
+std::vector<ContactSearch::Place> contact_places(const elasticity::Body& body,
+                                                 const mesh::Surface& surface, double spacing);
+
 }  // namespace palpate::estimation

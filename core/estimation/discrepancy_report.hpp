@@ -24,8 +24,8 @@ inline constexpr int kCauses = 8;
 /// An explanation of wrenches that contradict the model.
 struct Explanation {
   Cause cause = Cause::kUnknown;
-  double probability = 0;  // among all causes
-  int hand = 0;            // of slip and sensor bias
+  double probability = 0;                                // among all causes
+  int hand = 0;                                          // of slip and sensor bias
   Eigen::Vector3d location_O = Eigen::Vector3d::Zero();  // of contact and weight, m
   math::Vector6d value = math::Vector6d::Zero();         // see Cause; unused components are zero
 };

@@ -51,7 +51,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       state_(static_cast<int>(body.grasps.size()), options.filter),
       period_(options.period),
       wrenches_(body, options),
-      guard_(body, options, options.filter, options.consistency),
+      guard_(body, surface, options, options.filter, options.consistency),
       rest_(options),
       contact_(body, surface, options, options),
       observations_(body, surface, options),
@@ -127,6 +127,7 @@ UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   if (wrenches_.is_due(dt)) update_wrench(model, result.is_ok());
   observations_.update(inputs.observation, state_, wrenches_, model, dt);
   contact_.advance(dt, state_, wrenches_, model);
+  guard_.advance(dt);
   write_estimate(model, grasps, estimate);
 
   const UpdateResult step = step_watch_.judge(estimate.step, dt);
@@ -221,6 +222,7 @@ void PoseWrenchFilter::write_estimate(const elasticity::DeformationModel& model,
     node_deviations_.narrow();
   node_deviations_.update(state_, model);
   estimate.node_deviation = &node_deviations_.values();
+  estimate.discrepancy = guard_.report();
 }
 
 }  // namespace palpate::estimation

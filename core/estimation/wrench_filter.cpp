@@ -132,6 +132,12 @@ void WrenchFilter::end_contact() noexcept {
   P_.rightCols<3>().setZero();
 }
 
+void WrenchFilter::shift(int first, const math::Vector6d& change,
+                         const math::Matrix6d& covariance) noexcept {
+  mean_.segment<6>(first) += change;
+  P_.block<6, 6>(first, first) += covariance;
+}
+
 double WrenchFilter::deviation(int state) const noexcept {
   return std::sqrt(std::max(0.0, P_(state, state)));
 }

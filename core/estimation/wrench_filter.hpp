@@ -75,6 +75,9 @@ class WrenchFilter {
   void end_contact() noexcept;
   bool has_contact() const noexcept { return has_contact_; }
 
+  /// Adds a change that is known from elsewhere to six states from `first` on, with its covariance.
+  void shift(int first, const math::Vector6d& change, const math::Matrix6d& covariance) noexcept;
+
   int grasp_count() const noexcept { return grasps_; }
   int size() const noexcept { return contact() + 3; }
   int offset(int grasp) const noexcept { return 6 * grasp; }  // index of the first state of a part

@@ -2,8 +2,9 @@
 
 #include <array>
 
+#include "core/estimation/consistency/wrench_states.hpp"
+#include "core/estimation/discrepancy_report.hpp"
 #include "core/estimation/fused_state.hpp"
-#include "core/estimation/wrench_innovation.hpp"
 
 namespace palpate::estimation {
 
@@ -38,8 +39,6 @@ class WrenchConsistency {
     double test = -1;  // squared normalised difference per degree of freedom; negative: no test yet
     int hand = 0;
     int axis = 0;  // largest normalised component: force x, y, z, torque x, y, z, in O
-    /// Components over their standard deviations.
-    math::Vector6d normalised = math::Vector6d::Zero();
     math::Vector6d wrench = math::Vector6d::Zero();  // N, N m, measured minus predicted, in O
   };
 
@@ -54,61 +53,48 @@ class WrenchConsistency {
   bool take(const Innovation& now, const FusedState& state,
             const elasticity::DeformationModel& model, bool learn) noexcept;
 
+  /// Whether the last take() made a test, of record().
+  bool has_tested() const noexcept { return sum_count_ == 0; }
+  const WrenchRecord& record() const noexcept { return record_; }
+  /// What is known of the states at present; while the wrenches contradict the model, what was
+  /// known before.
+  const WrenchKnowledge& knowledge() const noexcept { return now_; }
+
   /// Whether the wrenches contradict the model.
   bool is_inconsistent() const noexcept { return is_inconsistent_; }
   /// Whether that was found by the last take().
   bool has_just_begun() const noexcept { return has_just_begun_; }
   /// Age in snapshots of the last knowledge that is not affected; kSnapshots: the prior.
   int snapshots_back() const noexcept { return snapshots_back_; }
-  /// Of the last update, the most significant one over hands and ages.
+  /// An explanation has been found: continues with this knowledge of the states, without
+  /// discrepancy.
+  void resume(const WrenchKnowledge& knowledge) noexcept;
+  /// Of the last test, the most significant one over hands and ages.
   const Discrepancy& discrepancy() const noexcept { return discrepancy_; }
-  /// Threshold of Discrepancy::test.
-  double threshold() const noexcept { return threshold_; }
+  /// Writes the results of the last test.
+  void write(DiscrepancyReport& report) const noexcept;
 
  private:
-  static constexpr int kMostStates = 39;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
-  using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostStates>;
-  /// Mean and covariance of the states, and the distance travelled by each hand until then, in
-  /// decorrelation lengths.
-  struct Knowledge {
-    Vector mean;
-    Matrix covariance;
-    std::array<double, 2> travel{};
-  };
-  /// Mean wrench difference of one hand since the last update, linearised.
-  struct HandData {
-    bool valid = false;
-    Rows H;            // by state
-    math::Vector6d y;  // measured minus predicted for the nominal parameters
-    math::Matrix6d R;
-    math::Vector6d error;  // N, N m, standard deviation of the error that varies with the pose
-  };
-
-  int bias(int grasp) const noexcept { return 6 * grasps_ + 6 * grasp; }
-  int material() const noexcept { return 12 * grasps_; }
-  int error(int grasp) const noexcept { return material() + 3 + 6 * grasp; }
-
   void linearise(const Innovation& now, const FusedState& state,
                  const elasticity::DeformationModel& model) noexcept;
-  Knowledge at_present(const Knowledge& earlier) const noexcept;
-  Discrepancy compare(int hand, const Knowledge& earlier) const noexcept;
+  WrenchKnowledge::Comparison compare(int hand, const WrenchKnowledge& earlier) const noexcept;
   void judge() noexcept;
   void learn_from_wrenches() noexcept;
+  void forget_snapshots() noexcept;
 
-  int grasps_;
+  WrenchStates states_;
   WrenchSampling sampling_;
   Options options_;
   std::array<double, 2> lever_{};
   double threshold_;
-  Knowledge prior_, now_;
-  std::array<Knowledge, kSnapshots> snapshots_;
+  WrenchKnowledge prior_;
+  WrenchKnowledge initial_;  // the prior, or what was known at the last resume()
+  WrenchKnowledge now_;
+  std::array<WrenchKnowledge, kSnapshots> snapshots_;
   int newest_ = 0, snapshot_count_ = 0, updates_ = 0;
-  std::array<HandData, 2> hands_;
+  WrenchRecord record_;
   std::array<math::Vector6d, 2> sums_;
   int sum_count_ = 0;
-  std::array<double, 2> travel_{};
   Discrepancy discrepancy_;
   bool is_inconsistent_ = false, has_just_begun_ = false;
   int snapshots_back_ = 0, exceeded_ = 0, passed_ = 0;

@@ -1,0 +1,235 @@
+#include "core/estimation/consistency/wrench_consistency.hpp"
+
+#include "core/math/option_check.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+constexpr double kPeriod = 0.05;         // s, between two tests
+constexpr double kSnapshotPeriod = 0.5;  // s
+/// Ages of the knowledge that is tested, in snapshots.
+constexpr std::array<int, 4> kAges{1, 2, 4, 8};
+/// Tests whose results are nearly independent: one a second for each age and the prior.
+constexpr double kTestsPerHour = 3600.0 * (kAges.size() + 1);
+constexpr int kConsecutive = 2;     // tests beyond the threshold that begin a discrepancy
+constexpr double kEnded = 0.5;      // fraction of the threshold below which it ends
+constexpr double kEndsAfter = 0.3;  // s
+
+/// Value that a chi-square variable with 6 degrees of freedom exceeds with this probability.
+double chi_square_6(double probability) {
+  double below = 0, above = 200;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 * (below + above);
+    const bool is_below = std::exp(-x / 2) * (1 + x / 2 + x * x / 8) > probability;
+    (is_below ? below : above) = x;
+  }
+  return above;
+}
+
+WrenchKnowledge prior_knowledge(const elasticity::Body& body, const WrenchFilter::Options& priors,
+                                const WrenchConsistency::Options& options) {
+  math::check_not_negative(options.dimensions, "dimensions");
+  math::check_not_negative(options.poisson, "poisson");
+  math::check_not_negative(options.density, "density");
+  math::check_not_negative(options.pose_error, "pose_error");
+  math::check_positive_finite(options.false_alarms, "false_alarms");
+  const WrenchStates states{static_cast<int>(body.grasps.size())};
+  const Eigen::Vector3d size =
+      body.mesh.nodes.rowwise().maxCoeff() - body.mesh.nodes.rowwise().minCoeff();
+  const double position = std::hypot(priors.position, options.dimensions * size.maxCoeff());
+  WrenchKnowledge::Vector deviations = WrenchKnowledge::Vector::Zero(states.count());
+  for (int g = 0; g < states.grasps; ++g) {
+    deviations.segment<3>(states.offset(g)).setConstant(position);
+    deviations.segment<3>(states.offset(g) + 3).setConstant(priors.rotation);
+    deviations.segment<3>(states.bias(g)).setConstant(priors.bias_force);
+    deviations.segment<3>(states.bias(g) + 3).setConstant(priors.bias_torque);
+  }
+  deviations.segment<3>(states.material()) << priors.log_young, options.poisson, options.density;
+  return {states, deviations};
+}
+
+/// Copies of one knowledge.
+template <std::size_t... kIndex>
+std::array<WrenchKnowledge, sizeof...(kIndex)> copies(const WrenchKnowledge& knowledge,
+                                                      std::index_sequence<kIndex...> /*count*/) {
+  return {((void)kIndex, knowledge)...};
+}
+
+}  // namespace
+
+WrenchConsistency::WrenchConsistency(const elasticity::Body& body, const WrenchSampling& sampling,
+                                     const WrenchFilter::Options& priors, const Options& options)
+    : states_{static_cast<int>(body.grasps.size())},
+      sampling_(sampling),
+      options_(options),
+      threshold_(chi_square_6(options.false_alarms / kTestsPerHour) / kHandRows),
+      prior_(prior_knowledge(body, priors, options)),
+      initial_(prior_),
+      now_(prior_),
+      snapshots_(copies(prior_, std::make_index_sequence<kSnapshots>())) {
+  const Eigen::Vector3d middle = body.mesh.nodes.rowwise().mean();
+  for (std::size_t g = 0; g < body.grasps.size(); ++g)
+    lever_[g] = (body.grasps[g].X_OG_rest.translation() - middle).norm();
+  for (HandRecord& hand : record_) hand.H = HandRecord::Rows::Zero(6, states_.count());
+  reset();
+}
+
+void WrenchConsistency::reset() noexcept {
+  now_ = initial_ = prior_;
+  newest_ = sum_count_ = 0;
+  forget_snapshots();
+  for (math::Vector6d& sum : sums_) sum.setZero();
+  for (HandRecord& hand : record_) {
+    hand.valid = false;
+    hand.travel = 0;
+  }
+  discrepancy_ = Discrepancy();
+  is_inconsistent_ = has_just_begun_ = false;
+  snapshots_back_ = passed_ = 0;
+}
+
+void WrenchConsistency::forget_snapshots() noexcept { exceeded_ = snapshot_count_ = updates_ = 0; }
+
+bool WrenchConsistency::take(const Innovation& now, const FusedState& state,
+                             const elasticity::DeformationModel& model, bool learn) noexcept {
+  has_just_begun_ = false;
+  linearise(now, state, model);
+  if (++sum_count_ < sampling_.updates_in(kPeriod)) return false;
+  for (int g = 0; g < states_.grasps; ++g) {
+    record_[g].y = sums_[g] / sum_count_;
+    sums_[g].setZero();
+  }
+  sum_count_ = 0;
+  judge();
+  if (is_inconsistent_ || !learn) return false;
+  learn_from_wrenches();
+  constexpr int kUpdates = static_cast<int>(kSnapshotPeriod / kPeriod);
+  if (++updates_ % kUpdates != 0) return false;
+  newest_ = (newest_ + 1) % kSnapshots;
+  snapshots_[newest_] = now_;
+  snapshot_count_ = std::min(snapshot_count_ + 1, kSnapshots);
+  return true;
+}
+
+/// Wrench difference of each hand for the nominal parameters, and its dependence on the states.
+void WrenchConsistency::linearise(const Innovation& now, const FusedState& state,
+                                  const elasticity::DeformationModel& model) noexcept {
+  const WrenchFilter& filter = state.filter;
+  const elasticity::Sensitivity& sensitivity = model.sensitivity();
+  const int offsets = 6 * states_.grasps;
+  for (int g = 0, row = 0; g < states_.grasps; ++g) {
+    HandRecord& hand = record_[g];
+    hand.travel += now.travel[g];
+    hand.valid = now.held[g];
+    if (!hand.valid) continue;
+    const auto rows = now.H.middleRows<6>(row);
+    hand.H.setZero();
+    hand.H.leftCols(offsets) = rows.leftCols(offsets);
+    hand.H.middleCols<6>(states_.bias(g)) = rows.middleCols<6>(filter.bias(g));
+    hand.H.col(states_.material()) = rows.col(filter.log_young());
+    const auto felt = state.motion.felt().block<6, 12>(6 * g, 0);
+    for (int other = 0; other < states_.grasps; ++other) {
+      if (!model.is_held(other)) continue;
+      hand.H.middleCols<2>(states_.material() + 1) +=
+          state.stiffness() * felt.middleCols<6>(6 * other) *
+          sensitivity.dw_dparameter[other].rightCols<2>();
+    }
+    hand.H.middleCols<6>(states_.error(g)).setIdentity();
+    math::Vector6d y = now.y.segment<6>(row);
+    y += rows.leftCols(offsets) * filter.mean().head(offsets);
+    y += rows.col(filter.log_young()) * filter.mean()[filter.log_young()];
+    y += rows.middleCols<6>(filter.bias(g)) * filter.mean().segment<6>(filter.bias(g));
+    sums_[g] += y;
+    hand.R = now.noise.block<6, 6>(row, row);
+    const math::Vector6d predicted = now.measured.segment<6>(row) - now.y.segment<6>(row);
+    const double force = options_.pose_error * predicted.head<3>().norm();
+    const double torque = options_.pose_error * predicted.tail<3>().norm() + lever_[g] * force;
+    hand.error << Eigen::Vector3d::Constant(force), Eigen::Vector3d::Constant(torque);
+    row += 6;
+  }
+}
+
+WrenchKnowledge::Comparison WrenchConsistency::compare(
+    int hand, const WrenchKnowledge& earlier) const noexcept {
+  WrenchKnowledge known = earlier;
+  known.advance(record_);
+  return known.compare(record_[hand].H, record_[hand].y, record_[hand].R);
+}
+
+void WrenchConsistency::judge() noexcept {
+  discrepancy_ = Discrepancy();
+  int back = 0;
+  for (int g = 0; g < states_.grasps; ++g) {
+    if (!record_[g].valid) continue;
+    const auto consider = [&](const WrenchKnowledge& knowledge, int age) {
+      const WrenchKnowledge::Comparison found = compare(g, knowledge);
+      if (!found.valid) return;
+      const double test = found.squared / kHandRows;
+      // The age of the most recent knowledge that is contradicted bounds the time since it began.
+      if (test > threshold_ && (back == 0 || age < back)) back = age;
+      if (test <= discrepancy_.test) return;
+      discrepancy_.test = test;
+      discrepancy_.hand = g;
+      discrepancy_.wrench = found.difference;
+      const math::Vector6d deviation = found.S.diagonal().cwiseSqrt();
+      found.difference.cwiseQuotient(deviation).cwiseAbs().maxCoeff(&discrepancy_.axis);
+    };
+    if (is_inconsistent_) {
+      consider(now_, 1);
+      continue;
+    }
+    for (const int age : kAges)
+      if (age <= snapshot_count_)
+        consider(snapshots_[(newest_ - age + 1 + kSnapshots) % kSnapshots], age);
+    consider(initial_, kSnapshots);
+  }
+  if (discrepancy_.test < 0) return;  // no wrench
+  if (is_inconsistent_) {
+    const bool passes = discrepancy_.test < kEnded * threshold_;
+    passed_ = passes ? passed_ + 1 : 0;
+    if (passed_ * kPeriod >= kEndsAfter) {
+      is_inconsistent_ = false;
+      forget_snapshots();
+    }
+    return;
+  }
+  exceeded_ = back > 0 ? exceeded_ + 1 : 0;
+  if (exceeded_ < kConsecutive) return;
+  is_inconsistent_ = has_just_begun_ = true;
+  passed_ = 0;
+  snapshots_back_ = back;
+  now_ = back >= kSnapshots ? initial_ : snapshots_[(newest_ - back + 1 + kSnapshots) % kSnapshots];
+}
+
+void WrenchConsistency::learn_from_wrenches() noexcept {
+  now_.advance(record_);
+  for (const HandRecord& hand : record_) {
+    if (!hand.valid) continue;
+    now_.correct(now_.compare(hand.H, hand.y, hand.R * (kMotionErrors / kPeriod)));
+  }
+}
+
+void WrenchConsistency::resume(const WrenchKnowledge& knowledge) noexcept {
+  now_ = initial_ = knowledge;
+  is_inconsistent_ = false;
+  forget_snapshots();
+}
+
+void WrenchConsistency::write(DiscrepancyReport& report) const noexcept {
+  ++report.tests;
+  report.is_inconsistent = is_inconsistent_;
+  report.test = discrepancy_.test;
+  report.threshold = threshold_;
+  report.hand = discrepancy_.hand;
+  report.axis = discrepancy_.axis;
+  for (int g = 0; g < states_.grasps; ++g) {
+    report.difference[g].setZero();
+    report.deviation[g].setConstant(-1);
+    if (!record_[g].valid) continue;
+    const WrenchKnowledge::Comparison found = compare(g, initial_);
+    report.difference[g] = found.difference;
+    report.deviation[g] = found.S.diagonal().cwiseSqrt();
+  }
+}
+
+}  // namespace palpate::estimation
