@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr double kDelay = 1;     // s, before the first pose
-constexpr double kSettle = 0.5;  // s, after the last
+constexpr double kAfterLast = 0.5;  // s, after the last
 constexpr int kLegs = 5;
 constexpr DrawnRange kMove{1.5, 3}, kHold{1, 2.5};  // s
 constexpr double kPadDamping = 20;                  // N s/m, of a sprung clamp
@@ -174,7 +174,7 @@ class World {
 
   void move() {
     world_.begin = kDelay;
-    world_.duration = kDelay + kSettle;
+    world_.duration = kDelay + kAfterLast;
     std::string text;
     for (const DrawnLeg& leg : legs_) {
       text += (text.empty() ? "" : ", ") + std::string("{move: ") + text_of(leg.move) +
