@@ -76,7 +76,7 @@ export class Consistency {
   }
 
   differences(wrenches) {
-    const rows = [['measured \u2212 predicted', 'x', 'y', 'z']];
+    const rows = [['difference', 'x', 'y', 'z']];
     wrenches.forEach(({difference, deviation}, hand) => {
       for (const [unit, first, factor, digits] of [['N', 0, 1, 2], ['mN m', 3, 1e3, 0]])
         rows.push([`hand ${hand}, ${unit}`, ...[0, 1, 2].map((i) => cell(difference[first + i], deviation[first + i], factor, digits))]);
