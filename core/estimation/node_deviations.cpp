@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::estimation {
 namespace {
 
@@ -12,6 +14,13 @@ namespace {
 constexpr double kAnywhere = 0.15, kWithHand = 0.3;
 
 }  // namespace
+
+NodeDeviations::NodeDeviations(int nodes, double own, const Options& options)
+    : own_(own), options_(options), deviations_(static_cast<std::size_t>(nodes), 0.0F) {
+  math::check_not_negative(own, "surface");
+  math::check_not_negative(options.clamp, "clamp");
+  math::check_not_negative(options.shape, "shape");
+}
 
 void NodeDeviations::reset() noexcept {
   std::fill(deviations_.begin(), deviations_.end(), 0.0F);
@@ -39,6 +48,22 @@ void NodeDeviations::widen(int hand, const math::Vector6d& wrench,
   if (!displacement_.allFinite()) displacement_.setZero();
 }
 
+/// m^2, of the place of the clamp and of the shape between clamp and hand.
+double NodeDeviations::variance_of_model(int node,
+                                         const elasticity::DeformationModel& model) const noexcept {
+  std::array<double, 2> follows{};  // share of a hand's displacement that the node makes
+  for (std::size_t g = 0; g < model.body().grasps.size(); ++g)
+    if (model.is_held(static_cast<int>(g)))
+      follows[g] = std::min(
+          1.0, model.sensitivity().dx_dxi[g].block<3, 3>(3 * node, 0).norm() / std::sqrt(3.0));
+  const double left = std::max(0.0, 1 - follows[0] - follows[1]);
+  const double displacement =
+      (model.positions().col(node) - model.body().mesh.nodes.col(node)).norm();
+  const double between = 4 * follows[0] * (1 - follows[0]);
+  const double clamp = left * options_.clamp, shape = between * options_.shape * displacement;
+  return clamp * clamp + shape * shape;
+}
+
 void NodeDeviations::update(const FusedState& state,
                             const elasticity::DeformationModel& model) noexcept {
   if (!model.sensitivity().valid) return;
@@ -56,7 +81,8 @@ void NodeDeviations::update(const FusedState& state,
     JP.noalias() = J * filter.covariance().topLeftCorner(columns, columns);
     const Eigen::Vector3d with_hand =
         kWithHand * rows.middleCols<6>(filter.offset(hand_)) * displacement_;
-    const double variance = JP.cwiseProduct(J).sum() / 3 + with_hand.squaredNorm() / 3 + own;
+    const double variance = JP.cwiseProduct(J).sum() / 3 + with_hand.squaredNorm() / 3 + own +
+                            variance_of_model(next_, model);
     deviations_[static_cast<std::size_t>(next_)] =
         static_cast<float>(std::sqrt(std::max(0.0, variance)));
   }

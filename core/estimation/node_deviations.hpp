@@ -7,13 +7,21 @@
 namespace palpate::estimation {
 
 /// Standard deviations of the positions of all nodes, from the covariance of the fused state, the
-/// local error of the mesh and, while a hand's wrench contradicts the model, the shape that this
-/// wrench allows. Nothing allocates after construction.
+/// errors of the model that no state represents and, while a hand's wrench contradicts the model,
+/// the shape that this wrench allows. Nothing allocates after construction.
 class NodeDeviations {
  public:
-  /// `own`: m, standard deviation of the local error of the mesh, independent of the state.
-  NodeDeviations(int nodes, double own)
-      : own_(own), deviations_(static_cast<std::size_t>(nodes), 0.0F) {}
+  struct Options {
+    /// m, of each axis of the clamp's position; decreases to zero where nodes follow the hands.
+    double clamp = 1e-3;
+    /// 1, error of a node's displacement halfway between clamp and hand relative to its size, by
+    /// stiffness and dimensions that differ from the model's.
+    double shape = 0.03;
+  };
+
+  /// `own`: m, standard deviation of the local error of the mesh, independent of the state. Throws
+  /// std::invalid_argument if a number is negative.
+  NodeDeviations(int nodes, double own, const Options& options);
 
   void reset() noexcept;
   /// The wrench of a hand differs from its prediction by `wrench`, N and N m, at G in O. The hand
@@ -28,7 +36,10 @@ class NodeDeviations {
   const std::vector<float>& values() const noexcept { return deviations_; }
 
  private:
+  double variance_of_model(int node, const elasticity::DeformationModel& model) const noexcept;
+
   double own_;
+  Options options_;
   std::vector<float> deviations_;
   int next_ = 0;
   int hand_ = 0;

@@ -55,7 +55,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       rest_(options),
       contact_(body, surface, options, options),
       observations_(body, surface, options),
-      node_deviations_(body.mesh.node_count(), options.observation.surface) {
+      node_deviations_(body.mesh.node_count(), options.observation.surface, options.deviations) {
   math::check_positive(options.period, "period");
   math::check_positive(options.decorrelation_distance, "decorrelation_distance");
   math::check_positive(options.decorrelation_angle, "decorrelation_angle");
@@ -135,7 +135,7 @@ UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
     result = {Status::kDegraded, "nothing explains the wrench of the hand"};
   if (guard_.test().is_inconsistent()) {
     const WrenchConsistency::Discrepancy& found = guard_.test().discrepancy();
-    result = {Status::kDegraded, kContradictions[found.hand][found.axis]};
+    result = {Status::kDoubtful, kContradictions[found.hand][found.axis]};
   }
   return step.is_ok() ? result : step;
 }

@@ -42,6 +42,7 @@ class PoseWrenchFilter : public Estimator {
     StepWatch::Options step;
     WrenchFilter::Options filter;
     LearningGuard::Options consistency;
+    NodeDeviations::Options deviations;
   };
 
   /// Throws std::invalid_argument if an option is out of range.

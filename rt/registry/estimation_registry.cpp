@@ -181,6 +181,20 @@ OptionTable<estimation::LearningGuard::Options> consistency_options() {
               &Options::false_alarms);
 }
 
+OptionTable<estimation::NodeDeviations::Options> node_deviation_options() {
+  using Options = estimation::NodeDeviations::Options;
+  return OptionTable<Options>()
+      .number(
+          "clamp_deviation", "m",
+          "Standard deviation of each axis of the clamp's position; for the reported deviations "
+          "of the shape",
+          {0, 0.1}, &Options::clamp)
+      .number("shape_error", "",
+              "Relative standard deviation of the displacement of nodes halfway between clamp and "
+              "hand, by uneven stiffness and dimensions; for the reported deviations of the shape",
+              {0, 1}, &Options::shape);
+}
+
 OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
   using Options = PoseWrenchFilter::Options;
   return OptionTable<Options>()
@@ -208,6 +222,7 @@ OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
               "Normalised square of the innovation of a hand above which it is rejected", {6, 1e6},
               &Options::gate)
       .part(consistency_options(), &Options::consistency)
+      .part(node_deviation_options(), &Options::deviations)
       .part(contact_search_options(), &Options::search)
       .part(surface_fit_options(), &Options::observation)
       .number("shape_deviation", "m",

@@ -87,5 +87,55 @@ TEST(Explanations, UnevenStiffness) {
   EXPECT_GE(second, 0.9);
 }
 
+/// Seconds until the discrepancy that begins now has been adopted as `cause`; -1: not within 10 s.
+double adopted(Cause cause, DrawnWorld& world) {
+  for (int i = 0; i < 10000; ++i) {
+    world.tick();
+    const DiscrepancyReport& report = *world.estimate_.discrepancy;
+    if (report.adopted == cause && !report.is_inconsistent) return 1e-3 * i;
+  }
+  return -1;
+}
+
+TEST(Explanations, ABiasWithoutDoubtIsAdopted) {
+  math::Vector6d bias;
+  bias << 0.4, -0.5, 0.3, 0.02, 0.03, -0.02;
+  int adoptions = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    DrawnWorld world(seed);
+    world.run(6.5);
+    const double before = world.mean_error();
+    world.add_bias(bias);
+    const double after = adopted(Cause::kSensorBias, world);
+    std::printf("seed %d: bias adopted after %.2f s\n", int(seed), after);
+    if (after < 0) continue;
+    ++adoptions;
+    world.run(2);
+    EXPECT_FALSE(world.is_reported());
+    EXPECT_NEAR(world.estimate_.bias[0][1], bias[1], 0.1);
+    EXPECT_LT(world.mean_error(), before + 0.3e-3);
+  }
+  EXPECT_GE(adoptions, 3);
+}
+
+TEST(Explanations, ASlipWithoutDoubtIsAdopted) {
+  int adoptions = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    DrawnWorld world(seed);
+    world.run(6.5);
+    world.slip(math::make_pose(Eigen::Matrix3d::Identity(), {0.008, 0, 0.006}));
+    world.run(0.3);
+    const double at_first = world.mean_error();
+    const double after = adopted(Cause::kSlip, world);
+    std::printf("seed %d: slip adopted after %.2f s\n", int(seed), after);
+    if (after < 0) continue;
+    ++adoptions;
+    world.run(3);
+    EXPECT_FALSE(world.is_reported());
+    EXPECT_LT(world.mean_error(), 0.5 * at_first);
+  }
+  EXPECT_GE(adoptions, 3);
+}
+
 }  // namespace
 }  // namespace palpate::estimation
