@@ -13,7 +13,7 @@ enum class Cause {
   kContact,          // external contact; value: force on the object, N
   kSlip,             // the grasp has slipped; value: displacement in the hand, m and rad, in G
   kClampPlace,       // the clamp is elsewhere; value: displacement, m and rad, in O
-  kClampCompliance,  // the clamp gives way; value: compliance, m/N and rad/(N m)
+  kClampCompliance,  // the clamp is compliant; value: compliance, m/N and rad/(N m)
   kUnevenStiffness,  // value: log of stiffness over its nominal value, of the half at the clamp and
                      // of the half at the hand
   kWeight,           // additional weight; value: its force on the object, N
