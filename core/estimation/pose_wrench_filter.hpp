@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/estimation/consistency/learning_guard.hpp"
 #include "core/estimation/contact_tracker.hpp"
 #include "core/estimation/hand_follower.hpp"
-#include "core/estimation/consistency/learning_guard.hpp"
 #include "core/estimation/node_deviations.hpp"
 #include "core/estimation/observation_update.hpp"
 #include "core/estimation/rest_detector.hpp"

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr double kDelay = 1;     // s, before the first pose
+constexpr double kDelay = 1;        // s, before the first pose
 constexpr double kAfterLast = 0.5;  // s, after the last
 constexpr int kLegs = 5;
 constexpr DrawnRange kMove{1.5, 3}, kHold{1, 2.5};  // s
