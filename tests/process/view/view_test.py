@@ -3,6 +3,7 @@
 usage: view_test.py BINARIES SOURCE [--pictures FOLDER]
 """
 import sys
+import threading
 
 try:
     import numpy as np
@@ -215,23 +216,24 @@ class ViewTest(PageCase):
         self.assertTrue(cell.js("document.getElementById('consistency').hidden"), "pose_driven has no test")
         wait_for(lambda: "(configured)" in cell.text("#numbers"), "E and nu are not estimated")
         self.assertNotIn("\u00b1", cell.text("#numbers"))
-        sender, seq = udpm.Sender(cell.group, cell.ports[0]), 0
+        sender, content, stopped = udpm.Sender(cell.group, cell.ports[0]), [1.5], threading.Event()
 
-        def sent_until(condition, what, *content):
-            """Sends further messages of this content until the page fulfils the condition."""
-            def send():
-                nonlocal seq
+        def send():
+            """As the daemon: without pause, however long the page takes."""
+            seq = 0
+            while not stopped.wait(0.05):
                 seq += 1
                 sender.send("DISCREPANCY", udpm.discrepancy(seq, *content))
-                return condition()
-            wait_for(send, what)
-        sent_until(lambda: cell.text("#consistency-now") == "1.50, threshold 4.90", "the test", 1.5)
+        thread = threading.Thread(target=send, daemon=True)
+        thread.start()
+        wait_for(lambda: cell.text("#consistency-now") == "1.50, threshold 4.90", "the test")
         self.assertTrue(cell.js("document.getElementById('contradiction').hidden"))
         self.assertEqual(cell.text("#explanations"), "")
         causes = [(1, 0.82, (0.21, 0, 0.03), (0, 0, -1.2, 0, 0, 0)), (6, 0.1, (0.3, 0, 0), (0, 0, -0.4, 0, 0, 0)),
                   (2, 0.001, (0, 0, 0), (0.01, 0, 0, 0, 0, 0))]
-        sent_until(lambda: cell.js("palpate.consistency.plot.lines[2].value.filter((v) => v === 80).length > 20"),
-                   "a contradiction", 80, causes)
+        content[:] = [80, causes]
+        wait_for(lambda: cell.js("palpate.consistency.plot.lines[2].value.filter((v) => v === 80).length > 20"),
+                 "a contradiction")
         self.assertIn("force of hand 0 along z", cell.text("#contradiction"))
         self.assertFalse(cell.js("document.getElementById('contradiction').hidden"))
         lines = cell.js("[...document.querySelectorAll('#explanations li')].map((item) => item.textContent)")
@@ -255,8 +257,10 @@ class ViewTest(PageCase):
             self.assertGreater((off < 60).sum(), 3, name)
             rows[name] = np.median(np.nonzero(off < 60)[0])
         self.assertAlmostEqual((rows["threshold"] - rows["contradiction"]) / len(red), np.log10(80 / 4.9) / 4, delta=0.05)
+        stopped.set()
+        thread.join()
         wait_for(lambda: cell.js("document.getElementById('contradiction').hidden"), "hidden once nothing arrives")
-        self.assertEqual(cell.text("#consistency-now"), "not tested")
+        wait_for(lambda: cell.text("#consistency-now") == "not tested", "and said so")
         sender.stop()
 
     def test_6_survives_restarts(self):
