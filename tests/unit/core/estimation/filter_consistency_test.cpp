@@ -86,6 +86,7 @@ Verdict judge(std::uint64_t seed, Given given) {
   if (given == Given::kJustThis) {
     options.relative = 0;
     options.observation.surface = 0;
+    options.deviations = {0, 0};  // clamp and stiffness are exact
     options.lag_deviation = 1e-9;
     options.filter.memory = 1e9;  // unknown parameters are constant
     // A Kalman filter is exact if the wrench is linear in the unknowns.

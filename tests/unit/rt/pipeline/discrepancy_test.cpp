@@ -49,17 +49,19 @@ class DiscrepancyPipeline : public ::testing::Test {
     full_ = twist();
     ASSERT_GT(full_.linear.norm(), 0.02);
   }
-  /// Every command is valid, and the changes of the hand's speed keep the gate's limits.
+  /// Every command is valid, and the changes of the hand's speed keep the gate's limits, those of
+  /// joint velocities to the accuracy of the gate's iteration.
   void run(int cycles) {
     const control::GateLimits limits;
+    const double accuracy = pipeline_->gate_output(0).joint_velocity.size() > 0 ? 1e-4 : 1e-9;
     for (int i = 0; i < cycles; ++i) {
       const math::Twist before = twist();
       support::run(*pipeline_, signals_, 1);
       EXPECT_FALSE(pipeline_->gate_output(0).rejected) << pipeline_->gate_output(0).reason;
       EXPECT_LE((twist().linear - before.linear).norm(),
-                limits.linear_acceleration * 1e-3 * (1 + 1e-9));
+                limits.linear_acceleration * 1e-3 * (1 + accuracy));
       EXPECT_LE((twist().angular - before.angular).norm(),
-                limits.angular_acceleration * 1e-3 * (1 + 1e-9));
+                limits.angular_acceleration * 1e-3 * (1 + accuracy));
     }
   }
   void report(bool is_inconsistent) { doubt_.report.is_inconsistent = is_inconsistent; }
@@ -204,7 +206,8 @@ TEST_F(DiscrepancyPipeline, JointVelocitiesAreScaledAsWell) {
   expect_share(0);
   contradict(false);
   run(500);
-  expect_share(1);
+  // The law's joint velocities still drift by its null space.
+  EXPECT_LT((twist().vector() - full_.vector()).norm(), 1e-3 * full_.vector().norm());
 }
 
 TEST(DiscrepancyConfiguration, WrongValuesAreNamedWithTheAllowedOnes) {
