@@ -50,10 +50,10 @@ class DiscrepancyPipeline : public ::testing::Test {
     ASSERT_GT(full_.linear.norm(), 0.02);
   }
   /// Every command is valid, and the changes of the hand's speed keep the gate's limits, those of
-  /// joint velocities to the accuracy of the gate's iteration.
+  /// joint velocities, which a damped inversion adapts, within a hundredth.
   void run(int cycles) {
     const control::GateLimits limits;
-    const double accuracy = pipeline_->gate_output(0).joint_velocity.size() > 0 ? 1e-4 : 1e-9;
+    const double accuracy = pipeline_->gate_output(0).joint_velocity.size() > 0 ? 1e-2 : 1e-9;
     for (int i = 0; i < cycles; ++i) {
       const math::Twist before = twist();
       support::run(*pipeline_, signals_, 1);
