@@ -31,6 +31,8 @@ NOT_RUN = {
     "sbatch": "needs a cluster; process.published.studies runs its script",
     "palpate-evaluate control": "takes hours; process.published.studies runs it on a small plan",
     "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",
+    "palpate-evaluate discrepancies --worlds 200": "takes an hour; the line before it is run",
+    "palpate-evaluate discrepancies --kind none": "takes hours; see above",
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that keep running, and their output when ready.
