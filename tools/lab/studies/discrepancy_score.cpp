@@ -7,6 +7,7 @@
 
 #include "tools/common/output_files.hpp"
 #include "tools/lab/studies/discrepancy_ranking.hpp"
+#include "tools/lab/studies/discrepancy_touch.hpp"
 
 namespace palpate::studies {
 namespace {
@@ -16,7 +17,7 @@ using scores::ShapeErrorSample;
 
 constexpr double kLimit = 3e-3;      // m, an error that must be reported
 constexpr double kInTime = 0.5;      // s after it, of a report in time
-constexpr double kTouch = 0.3e-3;    // m, between a node and an obstacle in contact
+constexpr double kStays = 0.1;       // s before the end of the log, of a contact that stays
 constexpr double kNoWorse = 0.1e-3;  // m, than pose alone after the end
 constexpr double kRanked = 2;        // s after a report
 constexpr double kSameTime = 5e-3;   // s, of two estimates' shapes
@@ -70,19 +71,10 @@ class Scoring {
       if (std::isfinite(world_.end)) score_.end = world_.end;
       return;
     }
-    double last = 0;
-    for (const shape_t& truth : log_.truths) {
-      const Eigen::Matrix3Xd nodes = log::positions(truth);
-      const bool touches = [&] {
-        for (int i = 0; i < nodes.cols(); ++i)
-          if (world_.obstacle->distance(nodes.col(i)) < kTouch) return true;
-        return false;
-      }();
-      if (!touches) continue;
-      last = time(truth.utime);
-      if (!score_.onset) score_.onset = last;
-    }
-    if (score_.onset && last < time(log_.truths.back().utime) - 0.1) score_.end = last;
+    const std::optional<TouchTimes> touch = find_touch(log_, *world_.obstacle);
+    if (!touch) return;
+    score_.onset = time(touch->first);
+    if (time(touch->last) < time(log_.truths.back().utime) - kStays) score_.end = time(touch->last);
   }
 
   /// Without a discrepancy its effects count from the beginning.

@@ -159,6 +159,19 @@ TEST(DiscrepancyScore, AnObstacleBeginsWhenTheyTouch) {
   EXPECT_EQ(never.false_reports, 1);
 }
 
+TEST(DiscrepancyScore, AnObstacleMayTouchBetweenNodes) {
+  // The plant's nodes are 0.2 m apart along x; a thin cylinder along y lies 10 mm below, between.
+  const auto sinking = [](const Vector3d& p, double time) -> Vector3d {
+    return p - Vector3d(0, 0, 0.02 * std::clamp(time - 1, 0.0, 1.0));
+  };
+  DiscrepancyWorld world;
+  world.kind = "cylinder";
+  world.obstacle = RigidObstacle{{0.1, 0, -0.03}, Vector3d::UnitY(), 0.02};
+  const DiscrepancyScore score = scored(world, reporting_run(sinking));
+  EXPECT_NEAR(*score.onset, 1.49, 0.02);
+  EXPECT_FALSE(score.end) << "it stays";
+}
+
 TEST(DiscrepancyScore, ReportsBeforeTheMotionBeginsDoNotCount) {
   DiscrepancyWorld none;
   none.kind = "none";
