@@ -131,11 +131,12 @@ UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   write_estimate(model, grasps, estimate);
 
   const UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (contact_.detector().is_overdue())
-    result = {Status::kDegraded, "nothing explains the wrench of the hand"};
-  if (guard_.test().is_inconsistent()) {
+  // Only where nothing else is wrong may control move by an estimate in doubt.
+  if (result.is_ok() && guard_.test().is_inconsistent()) {
     const WrenchConsistency::Discrepancy& found = guard_.test().discrepancy();
     result = {Status::kDoubtful, kContradictions[found.hand][found.axis]};
+  } else if (result.is_ok() && contact_.detector().is_overdue()) {
+    result = {Status::kDegraded, "nothing explains the wrench of the hand"};
   }
   return step.is_ok() ? result : step;
 }
