@@ -129,10 +129,9 @@ void Pipeline::control(double dt) noexcept {
        fall_back(fallbacks_->steering, "control", components_->control_condition.reason) &&
        steer(dt, first));
   if (!steers) return;
-  request(first, components_->law_output.V_O_G);
+  const double scale = request(first, components_->law_output.V_O_G);
   if (components_->commands_joints)
-    arms_[0].requested_joints =
-        components_->on_discrepancy.factor() * components_->law_output.joint_velocity;
+    arms_[0].requested_joints = scale * components_->law_output.joint_velocity;
   if (components_->moving == registry::MovingArms::kBoth)
     request(1, components_->law_output.V_O_G_second);
 }
@@ -221,11 +220,18 @@ bool Pipeline::moving_arms_known() const noexcept {
   return !second || (grasps > 1 && arms_[1].known);
 }
 
-void Pipeline::request(int index, const math::Twist& V_O_G) noexcept {
+/// Returns the factor on the command. In doubt it refers to the speed that the gate permits: of a
+/// faster command, the gate would restore what the policy takes away.
+double Pipeline::request(int index, const math::Twist& V_O_G) noexcept {
   Arm& arm = arms_[index];
-  const double factor = components_->on_discrepancy.factor();
-  arm.gate_inputs.requested_W_E = arm.frames.flange_twist(
-      {factor * V_O_G.linear, factor * V_O_G.angular}, arm.signals->robot.latest.X_WE.linear());
+  const math::Twist V_W_E = arm.frames.flange_twist(V_O_G, arm.signals->robot.latest.X_WE.linear());
+  double scale = components_->on_discrepancy.factor();
+  if (scale < 1) {
+    const control::GateLimits& limits = cell_.gate[index];
+    scale *= control::speed_factor(V_W_E, limits.linear_speed, limits.angular_speed);
+  }
+  arm.gate_inputs.requested_W_E = {scale * V_W_E.linear, scale * V_W_E.angular};
+  return scale;
 }
 
 control::JointInputs Pipeline::joint_inputs(const Arm& arm) noexcept {

@@ -151,7 +151,7 @@ class Pipeline {
   bool steer(double dt, int first) noexcept;
   bool is_trusted() const noexcept;
   bool moving_arms_known() const noexcept;
-  void request(int arm, const math::Twist& V_O_G) noexcept;
+  double request(int arm, const math::Twist& V_O_G) noexcept;
   static void find_joints(Arm& arm) noexcept;
   static control::JointInputs joint_inputs(const Arm& arm) noexcept;
   static void pass_gate(Arm& arm, bool as_joints) noexcept;

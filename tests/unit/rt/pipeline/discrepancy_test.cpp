@@ -110,6 +110,18 @@ TEST_F(DiscrepancyPipeline, SpeedAndDirectionAreAsConfigured) {
   expect_degraded(std::string(kContradiction) + ": control slowed to 10 %");
 }
 
+// The gate would restore the speed of a command that is several times its limit.
+TEST_F(DiscrepancyPipeline, ACommandBeyondTheGatesSpeedIsSlowedAsWell) {
+  build("", "control={provider: fem, law: proportional_twist, gain: 50, linear_speed: 1");
+  EXPECT_STREQ(pipeline_->gate_output(0).reason, "speed");
+  contradict(true);
+  run(500);
+  expect_share(0.25);
+  contradict(false);
+  run(500);
+  expect_share(1);
+}
+
 TEST_F(DiscrepancyPipeline, StopHoldsTheHandAndResumesByItself) {
   build(", on_discrepancy: stop");
   contradict(true);
