@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kTestsPerRecord = 2;  // of WrenchConsistency
 constexpr int kRecordsPerSnapshot = 5;
-constexpr int kPerTick = 2;  // filters that are updated in a tick
+/// Part of the time between two records in which all filters take the newest one.
+constexpr double kPartOfPeriod = 0.25;
 /// Probability that a contact has moved to any other place within a record.
 constexpr double kMoves = 0.02;
 /// Most evidence for or against a lasting cause before a discrepancy has begun.
@@ -54,29 +55,31 @@ Explanations::Explanations(const elasticity::Body& body, const mesh::Surface& su
 void Explanations::reset() noexcept {
   newest_ = -1;
   tests_ = 0;
+  finish();
+}
+
+void Explanations::finish() noexcept {
   is_active_ = false;
-  count_ = 0;
-  certain_rounds_ = 0;
+  needs_restart_ = true;
+  count_ = certain_rounds_ = 0;
 }
 
 void Explanations::restart(const WrenchKnowledge& knowledge) noexcept {
   started_ = newest_ + 1;
+  needs_restart_ = false;
   model_.hypothesis.begin(knowledge, responses_.own_compliance(), math::Vector6d::Zero());
   for (Lasting& cause : lasting_)
     cause.hypothesis.begin(knowledge, responses_.own_compliance(), math::Vector6d::Zero());
-  count_ = certain_rounds_ = 0;
 }
 
 void Explanations::take(const WrenchConsistency& test, const FusedState& state,
                         const elasticity::DeformationModel& model) noexcept {
+  if (is_active_ && !test.is_inconsistent()) finish();
+  const bool is_due = ++tests_ % kTestsPerRecord == 0;
+  if (is_due || needs_restart_) responses_.update(state, model);
+  if (needs_restart_) restart(test.knowledge());
   if (test.has_just_begun()) begin(test);
-  if (++tests_ % kTestsPerRecord != 0) return;
-  responses_.update(state, model);
-  if (newest_ < 0 || (is_active_ && !test.is_inconsistent())) {
-    is_active_ = false;
-    restart(test.knowledge());
-  }
-  add_record(test);
+  if (is_due) add_record(test);
 }
 
 void Explanations::add_record(const WrenchConsistency& test) noexcept {
@@ -107,8 +110,7 @@ void Explanations::add_record(const WrenchConsistency& test) noexcept {
 /// The causes that begin now start from the last knowledge that is not affected. Records since then
 /// are skipped, because the discrepancy began somewhere among them.
 void Explanations::begin(const WrenchConsistency& test) noexcept {
-  if (newest_ < 0) return;
-  first_ = current_ = newest_ + 1;
+  current_ = newest_ + 1;
   const long back = test.snapshots_back() >= WrenchConsistency::kSnapshots
                         ? kSums
                         : test.snapshots_back() * kRecordsPerSnapshot;
@@ -133,8 +135,10 @@ void Explanations::begin(const WrenchConsistency& test) noexcept {
   contact_evidence_ = 0;
 }
 
-void Explanations::advance() noexcept {
-  for (int i = 0; i < kPerTick && is_active_ && current_ <= newest_; ++i) {
+void Explanations::advance(double dt) noexcept {
+  const double ticks = std::max(1.0, kPartOfPeriod * kRecordPeriod / dt);
+  const int most = static_cast<int>(std::ceil(static_cast<double>(sudden_.size()) / ticks));
+  for (int i = 0; i < most && is_active_ && current_ <= newest_; ++i) {
     Sudden& cause = sudden_[next_];
     cause.last = cause.hypothesis.take(records_[slot(current_)]);
     cause.sum += cause.last;

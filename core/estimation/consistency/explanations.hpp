@@ -23,8 +23,10 @@ class Explanations {
   /// Takes the record of the test just made. The model's sensitivity must be valid.
   void take(const WrenchConsistency& test, const FusedState& state,
             const elasticity::DeformationModel& model) noexcept;
-  /// Call once per tick.
-  void advance() noexcept;
+  /// Call once per tick; `dt`: s since the last one.
+  void advance(double dt) noexcept;
+  /// The discrepancy has ended, or its explanation has been adopted.
+  void finish() noexcept;
   /// Writes the ranking, or none while the wrenches are consistent.
   void write(DiscrepancyReport& report) const noexcept;
   /// A slip or bias that explains the wrenches without reasonable doubt; nullptr: none.
@@ -33,7 +35,6 @@ class Explanations {
  private:
   static constexpr int kRecords = 4;  // ring
   static constexpr int kSums = 41;    // ring, 4 s
-  static constexpr int kLasting = 3;
 
   /// A cause that exists from the start, with the sums of its log-likelihoods by record.
   struct Lasting {
@@ -65,7 +66,6 @@ class Explanations {
   std::vector<CauseRecord> records_;
   long newest_ = -1;      // index of the last record
   long started_ = 0;      // index of the first record of the lasting causes
-  long first_ = 0;        // of the discrepancy
   long current_ = 0;      // record that the sudden causes are at
   std::size_t next_ = 0;  // of the sudden causes
   int tests_ = 0;
@@ -74,7 +74,8 @@ class Explanations {
   std::vector<Sudden> sudden_;                                // contacts first
   std::array<double, CauseResponses::kPlaces> log_weight_{};  // of the places of a contact
   double contact_evidence_ = 0;
-  bool is_active_ = false;
+  bool is_active_ = false;     // during a discrepancy
+  bool needs_restart_ = true;  // of the lasting causes, whose states hold a discrepancy, or nothing
   int count_ = 0;
   std::array<Explanation, kCauses> ranked_{};
   const CauseHypothesis* best_ = nullptr;

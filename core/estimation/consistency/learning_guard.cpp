@@ -55,7 +55,7 @@ bool LearningGuard::permits(const Innovation& now, bool has_contact, FusedState&
 
 void LearningGuard::advance(double dt) noexcept {
   if (!is_enabled_) return;
-  explanations_.advance();
+  explanations_.advance(dt);
   if (report_.is_inconsistent) report_.time += dt;
 }
 
@@ -82,6 +82,7 @@ void LearningGuard::adopt(const CauseHypothesis& cause, const Innovation& now, F
   follow(before, now, state, wrenches);
   report_.adopted = cause.cause();
   test_.resume(cause.absorbed());
+  explanations_.finish();
   initial_ = filter;
 }
 

@@ -95,7 +95,9 @@ class DrawnWorld {
     lagged_ += (1 - std::exp(-0.1)) * (wrench - lagged_);
     wrench = lagged_ + math::both_halves((hand_ * offset_).linear()) * bias_;
     for (int i = 0; i < 6; ++i) wrench[i] += (i < 3 ? 0.025 : 0.001) * normal_(random_);
-    inputs_.grasps[0] = {Freshness::kNew, true, hand_, true, math::Wrench::from(wrench)};
+    inputs_.grasps[0] = {pose_freshness_, true, hand_, true, math::Wrench::from(wrench)};
+    if (ticks_ % period_ != 0) return;
+    inputs_.dt = 1e-3 * period_;
     support::refactor(*model_);
     const loop::NoAllocationScope scope;
     result_ = filter_->update(inputs_, *model_, estimate_);
@@ -131,6 +133,8 @@ class DrawnWorld {
   }
 
   bool is_moving_ = true;
+  Freshness pose_freshness_ = Freshness::kNew;
+  int period_ = 1;  // ms, of the filter's updates
   Estimate estimate_;
   UpdateResult result_;
   std::int64_t allocations_ = 0;  // of the filter's updates

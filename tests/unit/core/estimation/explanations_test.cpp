@@ -118,6 +118,25 @@ TEST(Explanations, ABiasWithoutDoubtIsAdopted) {
   EXPECT_GE(adoptions, 3);
 }
 
+/// At other rates of the loop the ranking keeps up with the records, and nothing is adopted twice.
+TEST(Explanations, ABiasIsAdoptedOnceAtAnyRate) {
+  math::Vector6d bias;
+  bias << 0.4, -0.5, 0.3, 0.02, 0.03, -0.02;
+  for (const int period : {2, 5, 10}) {
+    DrawnWorld world(4);
+    world.period_ = period;
+    world.run(6.5);
+    world.add_bias(bias);
+    const double after = adopted(Cause::kSensorBias, world);
+    std::printf("%d ms: bias adopted after %.2f s\n", period, after);
+    ASSERT_GE(after, 0) << period;
+    world.run(0.5);
+    EXPECT_FALSE(world.is_reported()) << period;
+    EXPECT_EQ(world.estimate_.discrepancy->count, 0) << period;
+    EXPECT_NEAR(world.estimate_.bias[0][1], bias[1], 0.1) << period;
+  }
+}
+
 TEST(Explanations, ASlipWithoutDoubtIsAdopted) {
   int adoptions = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {

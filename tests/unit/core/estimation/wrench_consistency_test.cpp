@@ -59,6 +59,20 @@ TEST(WrenchConsistency, AForceOnTheObjectOfAMovingHandIsReported) {
   }
 }
 
+/// Control may move by an estimate in doubt, but not by one whose pose is stale as well.
+TEST(WrenchConsistency, AStalePoseIsReportedRatherThanDoubt) {
+  DrawnWorld world(1);
+  world.run(4.5);
+  world.load({0, 0, 0.8});
+  ASSERT_GE(world.first_report(1), 0);
+  ASSERT_EQ(world.result_.status, Status::kDoubtful);
+  world.pose_freshness_ = Freshness::kOld;
+  world.run(0.2);
+  EXPECT_TRUE(world.is_reported());
+  EXPECT_EQ(world.result_.status, Status::kDegraded);
+  EXPECT_STREQ(world.result_.reason, "pose of the hand is stale");
+}
+
 TEST(WrenchConsistency, NothingIsAllocated) {
   DrawnWorld world(1);
   world.run(3);
