@@ -65,8 +65,7 @@ std::string explanation_text(const discrepancy_t& message, int rank) {
       text = "clamp displaced " + displacement(value);
       break;
     case discrepancy_t::CAUSE_CLAMP_COMPLIANCE:
-      text +=
-          formatted(", %.2f mm/N, %.2f deg/(N m)", 1e3 * norm(value), kDegrees * norm(value + 3));
+      text += formatted(", %.2f mm/N, %.2f deg/(N m)", 1e3 * value[0], kDegrees * value[1]);
       break;
     case discrepancy_t::CAUSE_UNEVEN_STIFFNESS:
       text += formatted(", %.2f times nominal at the clamp, %.2f times at the hand",

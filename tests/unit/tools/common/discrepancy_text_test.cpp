@@ -34,10 +34,15 @@ TEST(DiscrepancyText, NamesCausePlaceAndSize) {
             "additional weight near (0.210, 0.000, -0.030) m, 1.00 N");
   EXPECT_EQ(text_of(D::CAUSE_SLIP, 0.01), "slip in hand 1 by 50.0 mm, 0.6 deg");
   EXPECT_EQ(text_of(D::CAUSE_CLAMP_PLACE, 1e-3), "clamp displaced by 5.0 mm, 0.1 deg");
-  EXPECT_EQ(text_of(D::CAUSE_CLAMP_COMPLIANCE, 0.1),
-            "compliant clamp, 500.00 mm/N, 5.73 deg/(N m)");
   EXPECT_EQ(text_of(D::CAUSE_SENSOR_BIAS, 0.1), "sensor bias of hand 1, 0.50 N, 100.0 mN m");
   EXPECT_EQ(text_of(D::CAUSE_UNKNOWN, 1), "none of the known causes");
+}
+
+TEST(DiscrepancyText, ComplianceIsOfDisplacementAndRotation) {
+  discrepancy_t message = explained_by(discrepancy_t::CAUSE_CLAMP_COMPLIANCE, 0);
+  message.value[0][0] = 2e-3;  // m/N
+  message.value[0][1] = 0.1;   // rad/(N m)
+  EXPECT_EQ(explanation_text(message, 0), "compliant clamp, 2.00 mm/N, 5.73 deg/(N m)");
 }
 
 TEST(DiscrepancyText, StiffnessIsAFactorOfTheNominalOne) {
