@@ -134,6 +134,8 @@ StepReport CorotationalModel::step(double dt) noexcept {
   factor_.advance(dt);
   job_age_ += dt;
   sensitivity_.turn(ticks_ % kLookPeriod, kLookPeriod);
+  for (int g = 0; g < 2; ++g)
+    if (boundary_.held()[g]) sensitivity_.follow_wrench(g, reaction(g).vector());
   for (int column = 0; column < options_.refine && !budget.is_spent(); ++column) {
     if (refinement_ && report.status != StepStatus::kFailed) refinement_->refine_next(motion_.x());
   }

@@ -77,6 +77,7 @@ void Sensitivity::resize(int nodes) {
   }
   dx_dparameter.setZero(3 * nodes, 3);
   for (auto& m : dw_dparameter) m.setZero();
+  for (auto& w : reaction) w.setZero();
   for (auto& m : dx_dforce) m.setZero(3 * nodes, 3);
   for (auto& row : dw_dforce) {
     for (auto& m : row) m.setZero();
@@ -108,6 +109,7 @@ void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
     for (int b = 0; b < 2; ++b) {
       turn_wrench(w, snapshot.dw_dxi[a][b], turned.grasps[b], now.dw_dxi[a][b]);
     }
+    now.reaction[a] = math::both_halves(w) * snapshot.reaction[a];
     for (int k = 0; k < 3; ++k) {
       now.dw_dparameter[a].col(k).head<3>() = w * snapshot.dw_dparameter[a].col(k).head<3>();
       now.dw_dparameter[a].col(k).tail<3>() = w * snapshot.dw_dparameter[a].col(k).tail<3>();

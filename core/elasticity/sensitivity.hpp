@@ -44,7 +44,9 @@ inline constexpr int kContactSlots = 4;
 /// Derivatives of the static equilibrium. xi = (displacement of the origin of G, m; rotation about
 /// it, rad), both in O; w = wrench of the hand on the object at the origin of G, in O. Computed
 /// from the exact tangent at a snapshot some ticks ago and, except for the stress, rotated with the
-/// object since. Shapes are stacked node by node (x, y, z), with zero rows for fixed nodes.
+/// object since. The wrenches' derivative by log E follows the change of the wrenches as well,
+/// which is proportional to E. Shapes are stacked node by node (x, y, z), with zero rows for fixed
+/// nodes.
 struct Sensitivity {
   using Motion = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
@@ -61,6 +63,8 @@ struct Sensitivity {
   enum Parameter { kLogYoung, kPoisson, kLogDensity };
   Eigen::Matrix<double, Eigen::Dynamic, 3> dx_dparameter;
   std::array<Eigen::Matrix<double, 6, 3>, 2> dw_dparameter;
+  /// Wrench of each hand at the snapshot.
+  std::array<math::Vector6d, 2> reaction{math::Vector6d::Zero(), math::Vector6d::Zero()};
 
   /// Per force, N, in the axes of O, at each configured contact point; zero for others.
   std::array<Eigen::Matrix<double, Eigen::Dynamic, 3>, kContactSlots> dx_dforce;

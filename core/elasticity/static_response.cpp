@@ -89,6 +89,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
       if (columns.motion[b] >= 0) out.dw_dxi[g][b] = w.middleCols<6>(columns.motion[b]);
     }
     out.dw_dparameter[g] = w.middleCols<3>(columns.parameters);
+    out.reaction[g] = reaction(at, g, internal - at.loads - weight);
     for (int c = 0; c < kContactSlots; ++c) {
       if (columns.force[c] >= 0) out.dw_dforce[g][c] = w.middleCols<3>(columns.force[c]);
     }
@@ -133,6 +134,18 @@ void StaticResponse::solve(const factor::BlockMatrix& K, const factor::Supernoda
     columns.moved.block(3 * pattern_.node(k), 0, 3, count) += rhs.middleRows<3>(3 * k);
   }
   K.multiply(columns.moved, columns.product);
+}
+
+/// Wrench of hand g. `residual`: forces that the hands must provide.
+math::Vector6d StaticResponse::reaction(const Snapshot& at, int g,
+                                        const Matrix3Xd& residual) const {
+  math::Vector6d w = math::Vector6d::Zero();
+  for (int node : body_.grasps[g].nodes) {
+    const Vector3d r = at.positions.col(node) - at.grasps[g].translation();
+    w.head<3>() += residual.col(node);
+    w.tail<3>() += r.cross(residual.col(node));
+  }
+  return w;
 }
 
 /// w' of hand g, one column per change. `residual`: forces that the hands must provide.

@@ -37,6 +37,7 @@ class StaticResponse {
   void prescribe(const Snapshot& at, Columns& columns) const;
   void solve(const factor::BlockMatrix& K, const factor::SupernodalFactor& factor,
              factor::Held held, Columns& columns) const;
+  math::Vector6d reaction(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual) const;
   Wrenches wrenches(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual,
                     const Columns& columns) const;
 

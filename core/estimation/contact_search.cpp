@@ -138,6 +138,28 @@ ContactSearch::Found ContactSearch::judge(int index, const elasticity::Deformati
   return rubbed.cost < pressed.cost ? rubbed : pressed;
 }
 
+double ContactSearch::cost_of_setting_off(int grasp,
+                                          const Eigen::Vector3d& outward_O) const noexcept {
+  constexpr double kLevers[] = {0.1, 0.15, 0.2, 0.25};  // m, of hands with their payload
+  // N, prior standard deviation: acceleration that is not yet seen times the mass of a hand.
+  constexpr double kForce = 0.4;
+  double least = HUGE_VAL;
+  if (!held_[grasp]) return least;
+  for (const double lever : kLevers) {
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, WrenchFilter::kMostRows, 3> H(whitened_.size(), 3);
+    H.setZero();
+    const int row = grasp == 1 && held_[0] ? 6 : 0;
+    H.middleRows<3>(row).setIdentity();
+    H.middleRows<3>(row + 3) = math::cross_matrix(lever * outward_O);
+    H = (whiten_ * H).eval();
+    Eigen::Matrix3d A = H.transpose() * H;
+    A.diagonal().array() += 1 / (kForce * kForce);
+    const Eigen::Vector3d b = H.transpose() * whitened_;
+    least = std::min(least, whitened_.squaredNorm() - b.dot(A.ldlt().solve(b)));
+  }
+  return least;
+}
+
 bool ContactSearch::advance(const elasticity::DeformationModel& model, const PatchMotion& motion,
                             int places) noexcept {
   const int end = std::min(place_count(), next_ + places);

@@ -65,6 +65,10 @@ class ContactSearch {
   Found judge(int place, const elasticity::DeformationModel& model,
               const PatchMotion& motion) const noexcept;
 
+  /// Cost of the explanation that hand `grasp` has begun to move: a force at its centre of mass, at
+  /// the origin of G plus a multiple of `outward_O` (unit vector), comparable with Found::cost.
+  double cost_of_setting_off(int grasp, const Eigen::Vector3d& outward_O) const noexcept;
+
   /// dw / df of one hand for a force at a point, 6 x 3.
   static Eigen::Matrix<double, 6, 3> response(const mesh::PointWeights& point,
                                               const elasticity::Sensitivity& sensitivity,

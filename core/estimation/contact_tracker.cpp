@@ -16,7 +16,14 @@ ContactTracker::ContactTracker(const elasticity::Body& body, const mesh::Surface
     : options_(options),
       sampling_(sampling),
       detector_(sampling, options),
-      search_(body, surface, options.search) {}
+      search_(body, surface, options.search) {
+  outward_G_.fill(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d middle = body.mesh.nodes.rowwise().mean();
+  for (std::size_t g = 0; g < body.grasps.size(); ++g) {
+    const math::Pose& X_OG = body.grasps[g].X_OG_rest;
+    outward_G_[g] = X_OG.linear().transpose() * (X_OG.translation() - middle).normalized();
+  }
+}
 
 void ContactTracker::reset() noexcept {
   detector_.reset();
@@ -133,10 +140,24 @@ void ContactTracker::judge_search(FusedState& state, WrenchUpdate& wrenches,
     if (found.place == place_ ||
         found.cost + kClearlyBetter > search_.judge(place_, model, state.motion).cost)
       return;
-  } else if (detector_.state() == ContactDetector::State::kNone) {
+  } else if (detector_.state() == ContactDetector::State::kNone || may_be_setting_off(state)) {
     return;  // false alarm
   }
   place(found, state, wrenches, model);
+}
+
+/// Whether the change of the wrench may be the inertia of a hand whose motion is not yet seen: it
+/// explains the change nearly as well as the contact found.
+bool ContactTracker::may_be_setting_off(const FusedState& state) const noexcept {
+  constexpr double kSeenAfter = 0.2;  // s, after which the motion would have been seen
+  constexpr double kNearly = 6;       // chi-square
+  if (detector_.unexplained_time() > kSeenAfter) return false;
+  for (int g = 0; g < state.filter.grasp_count(); ++g) {
+    const auto hand = static_cast<std::size_t>(g);
+    const Eigen::Vector3d outward_O = state.X_OG[hand].linear() * outward_G_[hand];
+    if (search_.cost_of_setting_off(g, outward_O) < search_.found().cost + kNearly) return true;
+  }
+  return false;
 }
 
 void ContactTracker::place(const ContactSearch::Found& found, FusedState& state,

@@ -45,6 +45,7 @@ class ContactTracker {
              const elasticity::DeformationModel& model) noexcept;
   void drop(FusedState& state, WrenchUpdate& wrenches,
             const elasticity::DeformationModel& model) noexcept;
+  bool may_be_setting_off(const FusedState& state) const noexcept;
   void add_change(const WrenchFilter::Wrenches& change) noexcept;
   void begin_search(const RestBaseline& baseline, const std::array<bool, 2>& held) noexcept;
 
@@ -52,8 +53,9 @@ class ContactTracker {
   WrenchSampling sampling_;
   ContactDetector detector_;
   ContactSearch search_;
-  int place_ = -1;              // candidate index of the contact
-  double place_deviation_ = 0;  // m, standard deviation of its location
+  std::array<Eigen::Vector3d, 2> outward_G_;  // unit vectors from the object to the hands
+  int place_ = -1;                            // candidate index of the contact
+  double place_deviation_ = 0;                // m, standard deviation of its location
   /// Mean change of the wrenches since it began, including those caused by the contact.
   WrenchFilter::Wrenches change_;
   int change_count_ = 0;

@@ -39,8 +39,9 @@ struct DiscrepancyReport {
   double test = -1;
   double threshold = -1;
   int hand = 0, axis = 0;  // largest normalised component: force x, y, z, torque x, y, z, in O
-  /// Measured minus predicted wrench of each hand at G in O, N and N m, with respect to the prior
-  /// knowledge, and its standard deviation while the model holds; negative: no wrench.
+  /// Measured minus predicted wrench of each hand at G in O, N and N m, with respect to the earlier
+  /// knowledge that it contradicts most, and its standard deviation while the model holds;
+  /// negative: no wrench.
   std::array<math::Vector6d, 2> difference{math::Vector6d::Zero(), math::Vector6d::Zero()};
   std::array<math::Vector6d, 2> deviation{math::Vector6d::Constant(-1),
                                           math::Vector6d::Constant(-1)};

@@ -74,9 +74,10 @@ void FtNewtonEuler::reset() noexcept {
   if (options_.tare_at_start) tare_.start();
   low_pass_.reset();
   has_output_ = has_inertial_ = has_inertial_pair_ = used_imu_ = false;
-  usual_step_ = speed_time_ = 0;
+  usual_step_ = speed_time_ = rested_ = 0;
   angular_acceleration_I_.setZero();
   speed_.setZero();
+  latest_.setZero();
   smoothed_.setZero();
   offset_.reset();
 }
@@ -122,9 +123,8 @@ double FtNewtonEuler::step_between(double before, double now) noexcept {
   return usual_step_;
 }
 
-/// 0 at rest, 1 in motion.
-double FtNewtonEuler::moving_share(const RobotState& robot,
-                                   const Eigen::Vector3d& acceleration) noexcept {
+/// 0 at rest, 1 in motion, by the speed that the robot reports.
+double FtNewtonEuler::moving_share(const RobotState& robot) noexcept {
   constexpr double kSmoothing = 0.02;  // s
   constexpr double kLever = 0.3;       // m
   const math::Vector6d twist = robot.V_W_E.vector();
@@ -134,18 +134,29 @@ double FtNewtonEuler::moving_share(const RobotState& robot,
   speed_ += (follows ? share(dt, kSmoothing) : 1.0) * (twist - speed_);
   speed_time_ = robot.time;
   const double speed = std::max(speed_.head<3>().norm(), kLever * speed_.tail<3>().norm());
-  const double sets_off = (acceleration - smoothed_.head<3>()).norm();
-  const double over = std::max(speed / options_.rest_speed, sets_off / options_.rest_acceleration);
-  return std::clamp(over - 1, 0.0, 1.0);
+  return std::clamp(speed / options_.rest_speed - 1, 0.0, 1.0);
 }
 
+/// At rest the mean of the accelerations since the hand came to rest, over at most rest_smoothing.
+/// The mean restarts from the latest ones where these differ: when the hand sets off, and while it
+/// slows down.
 void FtNewtonEuler::smooth(const RobotState& robot, Eigen::Vector3d& acceleration,
                            Eigen::Vector3d& angular_acceleration) noexcept {
-  const double moving = moving_share(robot, acceleration);
+  constexpr double kLatest = 0.015;  // s
+  const double moving = moving_share(robot);
   math::Vector6d both;
   both << acceleration, angular_acceleration;
-  if (inertial_step_ > 0)
-    smoothed_ += share(inertial_step_, options_.rest_smoothing) * (both - smoothed_);
+  if (inertial_step_ > 0) {
+    latest_ += share(inertial_step_, kLatest) * (both - latest_);
+    rested_ += inertial_step_;
+    smoothed_ +=
+        share(inertial_step_, std::min(rested_, options_.rest_smoothing)) * (both - smoothed_);
+    const double change = (latest_ - smoothed_).head<3>().norm();
+    if (moving > 0 || change > options_.rest_acceleration) {
+      smoothed_ = latest_;
+      rested_ = kLatest;
+    }
+  }
   both = moving * both + (1 - moving) * smoothed_;
   acceleration = both.head<3>();
   angular_acceleration = both.tail<3>();

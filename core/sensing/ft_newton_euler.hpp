@@ -65,9 +65,10 @@ class FtNewtonEuler : public TaredModel<6, SensorState::Offset::kWithoutPayload>
     /// is six times that of a good force sensor and would mask contact forces. 0: never.
     double rest_speed = 0;
     double rest_smoothing = 0.1;  // s
-    /// m/s^2 above the smoothed value: a larger acceleration counts as the start of a motion,
-    /// although the hand is still slow.
-    double rest_acceleration = 0.15;
+    /// m/s^2, difference between the mean acceleration of the last 15 ms and the smoothed one
+    /// beyond which the smoothing restarts: the hand sets off or slows down, although it is still
+    /// slow.
+    double rest_acceleration = 0.06;
     double angular_acceleration_time = 0.01;  // s, smoothing of the differentiated gyroscope signal
     int tare_samples = 500;
     bool tare_at_start = false;
@@ -93,7 +94,7 @@ class FtNewtonEuler : public TaredModel<6, SensorState::Offset::kWithoutPayload>
  private:
   double step_between(double before, double now) noexcept;
   void follow_imu(const Stream<Inertial>& stream) noexcept;
-  double moving_share(const RobotState& robot, const Eigen::Vector3d& acceleration) noexcept;
+  double moving_share(const RobotState& robot) noexcept;
   void smooth(const RobotState& robot, Eigen::Vector3d& acceleration,
               Eigen::Vector3d& angular_acceleration) noexcept;
   AccelerometerOffset::Velocity velocity(const RobotState& robot,
@@ -115,9 +116,11 @@ class FtNewtonEuler : public TaredModel<6, SensorState::Offset::kWithoutPayload>
   double usual_step_ = 0;     // s, usual interval of inertial samples; 0: not known
   Eigen::Vector3d angular_acceleration_I_ = Eigen::Vector3d::Zero();
   AccelerometerOffset offset_;
-  math::Vector6d smoothed_ = math::Vector6d::Zero();  // accelerations, linear first, in S
-  math::Vector6d speed_ = math::Vector6d::Zero();     // velocity of the flange, smoothed
-  double speed_time_ = 0;                             // s, by the robot's clock
+  // Accelerations, linear first, in S: of the last 15 ms, and the mean at rest.
+  math::Vector6d latest_ = math::Vector6d::Zero(), smoothed_ = math::Vector6d::Zero();
+  double rested_ = 0;                              // s, duration of that mean
+  math::Vector6d speed_ = math::Vector6d::Zero();  // velocity of the flange, smoothed
+  double speed_time_ = 0;                          // s, by the robot's clock
 };
 
 }  // namespace palpate::sensing

@@ -163,19 +163,27 @@ OptionTable<estimation::LearningGuard::Options> consistency_options() {
             "degraded and learns nothing. A lasting change, as of the sensor's offset, keeps it so "
             "until the component is reset",
             &Options::enabled)
-      .number("dimension_error", "",
-              "Relative standard deviation of the object's dimensions; for the test of the "
-              "wrenches' consistency",
-              {0, 1}, &Options::dimensions)
       .number("poisson_ratio_deviation", "",
-              "Standard deviation of Poisson's ratio; for the same test", {0, 0.5},
-              &Options::poisson)
+              "Standard deviation of Poisson's ratio; for the test of the wrenches' consistency",
+              {0, 0.5}, &Options::poisson)
       .number("density_error", "", "Relative standard deviation of the density; for the same test",
               {0, 1}, &Options::density)
+      .number("stiffness_error", "",
+              "Relative standard deviation of the stiffness in each direction, compared with the "
+              "common factor, as by uneven stiffness and dimensions; for the same test",
+              {0, 1}, &Options::stiffness_error)
       .number("pose_dependent_error", "",
-              "Relative standard deviation of the error of the predicted wrench that varies with "
-              "the hand's pose, as by uneven stiffness; for the same test",
+              "Standard deviation, relative to the wrench, of the error of the predicted wrench "
+              "that varies with the hand's pose; for the same test",
               {0, 1}, &Options::pose_error)
+      .number("pose_dependent_position_error", "m",
+              "Standard deviation of the part of the hand's position error that varies with its "
+              "pose; for the same test",
+              {0, 0.1}, &Options::position_error)
+      .number("pose_dependent_rotation_error", "rad",
+              "Standard deviation of the part of the hand's rotation error that varies with its "
+              "pose; for the same test",
+              {0, 1}, &Options::rotation_error)
       .number("false_alarms_per_hour", "1/h",
               "Rate of false alarms per hand of the test of the wrenches' consistency", {1e-3, 100},
               &Options::false_alarms);

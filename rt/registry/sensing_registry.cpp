@@ -26,8 +26,8 @@ OptionTable<FtNewtonEuler::Options> newton_euler_options() {
               "smoothed over 0.1 s; 0: never",
               {0, 1}, &Options::rest_speed)
       .number("rest_acceleration", "m/s^2",
-              "Acceleration above the smoothed value that counts as the start of a motion; several "
-              "times the noise of the accelerometer",
+              "Difference between the mean acceleration of the last 15 ms and the smoothed one "
+              "beyond which the smoothing restarts; six times the noise of that mean",
               {1e-3, 100}, &Options::rest_acceleration)
       .part(wrist_options<Options>())
       .number("cutoff_hz", "Hz", "Cutoff of the low-pass filter of the output; 0: none", {0, 500},

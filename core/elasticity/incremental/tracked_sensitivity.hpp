@@ -35,6 +35,11 @@ class TrackedSensitivity {
 
   /// Publishes the rows of the mesh nodes of part `part` of `parts`, and the wrenches.
   void turn(int part, int parts) noexcept;
+  /// Adds the change of a hand's wrench (N, N m, at G in O) since the snapshot to its derivative by
+  /// log E: under constant loads the change is proportional to E. After turn().
+  void follow_wrench(int g, const math::Vector6d& now) noexcept {
+    published_.dw_dparameter[g].col(Sensitivity::kLogYoung) += now - published_.reaction[g];
+  }
   /// Replaces the response to motion k of grasp g by `column` (nodal displacements), both as
   /// published and, rotated back, at the snapshot.
   void set_column(int g, int k, const NodalField& column) noexcept;

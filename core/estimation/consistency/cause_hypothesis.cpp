@@ -17,8 +17,9 @@ constexpr double kFollows = 1.5;
 constexpr double kSideways = 0.4;  // of a contact's force, relative to its normal component
 // What begins with the discrepancy may still grow in so many records.
 constexpr int kOnsetRecords = 5;
-/// Error of the response to a cause: it is linearised about a shape that is not the true one.
-constexpr double kResponseError = 0.05;
+/// Error of the response to a cause, which is linearised about a shape that is not the true one; of
+/// forces also because they act between the places, and over an area.
+constexpr double kResponseError = 0.05, kPlaceError = 0.15;
 
 /// Logarithm of the probability of a positive value, times 2, that is zero for an unknown sign.
 double log_positive(double mean, double variance) noexcept {
@@ -95,14 +96,14 @@ void CauseHypothesis::begin(const WrenchKnowledge& before, const Eigen::Vector2d
   knowledge_.append(WrenchKnowledge::Matrix(prior.cwiseAbs2().asDiagonal()));
 }
 
-HandRecord::Rows CauseHypothesis::rows(int hand, const CauseRecord& record) const noexcept {
+/// Dependence of the wrench of a hand on the states of the cause.
+WrenchKnowledge::Appended CauseHypothesis::rows(int hand,
+                                                const CauseRecord& record) const noexcept {
   const HandRecord& known = record.hands[hand];
   const CauseResponses::Hand& responses = record.responses[hand];
   const WrenchStates states = knowledge_.states();
-  HandRecord::Rows H = HandRecord::Rows::Zero(6, states.count() + size());
-  H.leftCols(states.count()) = known.H;
-  if (!has_states_) return H;
-  auto own = H.rightCols(size());
+  WrenchKnowledge::Appended own = WrenchKnowledge::Appended::Zero(6, size());
+  if (!has_states_) return own;
   switch (cause_) {
     case Cause::kUnknown:
       own.middleCols<6>(6 * hand).setIdentity();
@@ -129,7 +130,7 @@ HandRecord::Rows CauseHypothesis::rows(int hand, const CauseRecord& record) cons
       own = known.H.middleCols<6>(states.bias(hand_));
       break;
   }
-  return H;
+  return own;
 }
 
 /// Forces that follow the motion of the hands change as fast as the measured wrenches. A slip, a
@@ -171,14 +172,17 @@ double CauseHypothesis::take(const CauseRecord& record) noexcept {
     const HandRecord& hand = record.hands[g];
     if (!hand.valid) continue;
     math::Matrix6d R = hand.R;
-    const double force = kResponseError * record.difference[g].head<3>().norm(),
-                 torque = kResponseError * record.difference[g].tail<3>().norm();
+    const bool has_place = cause_ == Cause::kContact || cause_ == Cause::kWeight;
+    const double error = has_place ? kPlaceError : kResponseError;
+    const double force = error * record.difference[g].head<3>().norm(),
+                 torque = error * record.difference[g].tail<3>().norm();
     R.diagonal().head<3>().array() += force * force;
     R.diagonal().tail<3>().array() += torque * torque;
     R *= kMotionErrors / kRecordPeriod;
-    const WrenchKnowledge::Comparison found = knowledge_.compare(rows(g, record), hand.y, R);
+    const WrenchKnowledge::Appended own = rows(g, record);
+    const WrenchKnowledge::Comparison found = knowledge_.compare(hand, own, R);
     if (!found.valid) continue;
-    knowledge_.correct(found);
+    knowledge_.correct(hand, own, R);
     log_likelihood += found.log_likelihood;
     misfit += found.squared / kHandRows;
     ++hands;

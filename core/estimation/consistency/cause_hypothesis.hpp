@@ -56,7 +56,7 @@ class CauseHypothesis {
 
  private:
   int size() const noexcept;  // number of states of its own
-  HandRecord::Rows rows(int hand, const CauseRecord& record) const noexcept;
+  WrenchKnowledge::Appended rows(int hand, const CauseRecord& record) const noexcept;
   void diffuse(const CauseRecord& record) noexcept;
 
   bool has_states_ = false;  // of its own

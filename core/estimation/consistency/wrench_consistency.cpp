@@ -11,6 +11,9 @@ constexpr double kSnapshotPeriod = 0.5;  // s
 constexpr std::array<int, 4> kAges{1, 2, 4, 8};
 /// Tests whose results are nearly independent: one a second for each age and the prior.
 constexpr double kTestsPerHour = 3600.0 * (kAges.size() + 1);
+/// Fraction of the threshold that applies to the prior: the deviations of what was set up are
+/// bounds rather than those of a normal distribution.
+constexpr double kOfPrior = 0.6;
 constexpr int kConsecutive = 2;     // tests beyond the threshold that begin a discrepancy
 constexpr double kEnded = 0.5;      // fraction of the threshold below which it ends
 constexpr double kEndsAfter = 0.3;  // s
@@ -28,23 +31,27 @@ double chi_square_6(double probability) {
 
 WrenchKnowledge prior_knowledge(const elasticity::Body& body, const WrenchFilter::Options& priors,
                                 const WrenchConsistency::Options& options) {
-  math::check_not_negative(options.dimensions, "dimensions");
   math::check_not_negative(options.poisson, "poisson");
   math::check_not_negative(options.density, "density");
+  math::check_not_negative(options.stiffness_error, "stiffness_error");
   math::check_not_negative(options.pose_error, "pose_error");
+  math::check_not_negative(options.position_error, "position_error");
+  math::check_not_negative(options.rotation_error, "rotation_error");
   math::check_positive_finite(options.false_alarms, "false_alarms");
   const WrenchStates states{static_cast<int>(body.grasps.size())};
-  const Eigen::Vector3d size =
-      body.mesh.nodes.rowwise().maxCoeff() - body.mesh.nodes.rowwise().minCoeff();
-  const double position = std::hypot(priors.position, options.dimensions * size.maxCoeff());
   WrenchKnowledge::Vector deviations = WrenchKnowledge::Vector::Zero(states.count());
+  const auto six = [&deviations](int first, double linear, double angular) {
+    deviations.segment<6>(first) << Eigen::Vector3d::Constant(linear),
+        Eigen::Vector3d::Constant(angular);
+  };
   for (int g = 0; g < states.grasps; ++g) {
-    deviations.segment<3>(states.offset(g)).setConstant(position);
-    deviations.segment<3>(states.offset(g) + 3).setConstant(priors.rotation);
-    deviations.segment<3>(states.bias(g)).setConstant(priors.bias_force);
-    deviations.segment<3>(states.bias(g) + 3).setConstant(priors.bias_torque);
+    six(states.offset(g), priors.position, priors.rotation);
+    six(states.bias(g), priors.bias_force, priors.bias_torque);
+    six(states.stiffness(g), options.stiffness_error, options.stiffness_error);
+    six(states.pose_error(g), options.position_error, options.rotation_error);
+    six(states.wrench_error(g), options.pose_error, options.pose_error);
   }
-  deviations.segment<3>(states.material()) << priors.log_young, options.poisson, options.density;
+  deviations.segment<3>(states.log_young()) << priors.log_young, options.poisson, options.density;
   return {states, deviations};
 }
 
@@ -70,7 +77,10 @@ WrenchConsistency::WrenchConsistency(const elasticity::Body& body, const WrenchS
   const Eigen::Vector3d middle = body.mesh.nodes.rowwise().mean();
   for (std::size_t g = 0; g < body.grasps.size(); ++g)
     lever_[g] = (body.grasps[g].X_OG_rest.translation() - middle).norm();
-  for (HandRecord& hand : record_) hand.H = HandRecord::Rows::Zero(6, states_.count());
+  for (std::size_t g = 0; g < record_.size(); ++g) {
+    record_[g].grasp = static_cast<int>(g);
+    record_[g].H = HandRecord::Rows::Zero(6, states_.count());
+  }
   reset();
 }
 
@@ -111,40 +121,43 @@ bool WrenchConsistency::take(const Innovation& now, const FusedState& state,
   return true;
 }
 
-/// Wrench difference of each hand for the nominal parameters, and its dependence on the states.
+/// Wrench difference of each hand for the nominal parameters, and its dependence on the states. The
+/// innovation refers to the state of the filter, about which the model was linearised.
 void WrenchConsistency::linearise(const Innovation& now, const FusedState& state,
                                   const elasticity::DeformationModel& model) noexcept {
   const WrenchFilter& filter = state.filter;
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  const int offsets = 6 * states_.grasps;
+  const int log_young = states_.log_young();
+  const double stiffness = std::exp(filter.mean()[filter.log_young()]);
   for (int g = 0, row = 0; g < states_.grasps; ++g) {
     HandRecord& hand = record_[g];
     hand.travel += now.travel[g];
     hand.valid = now.held[g];
     if (!hand.valid) continue;
     const auto rows = now.H.middleRows<6>(row);
+    math::Vector6d y = now.y.segment<6>(row);
+    math::Vector6d displaced = math::Vector6d::Zero();
     hand.H.setZero();
-    hand.H.leftCols(offsets) = rows.leftCols(offsets);
-    hand.H.middleCols<6>(states_.bias(g)) = rows.middleCols<6>(filter.bias(g));
-    hand.H.col(states_.material()) = rows.col(filter.log_young());
+    for (int other = 0; other < states_.grasps; ++other) {
+      const auto by_offset = rows.middleCols<6>(filter.offset(other));
+      hand.H.middleCols<6>(states_.offset(other)) = by_offset / stiffness;
+      hand.H.middleCols<6>(states_.pose_error(other)) = by_offset / stiffness;
+      displaced += by_offset * filter.mean().segment<6>(filter.offset(other));
+    }
+    const auto by_bias = rows.middleCols<6>(filter.bias(g));
+    hand.H.middleCols<6>(states_.bias(g)) = by_bias;
+    hand.H.col(log_young) = (rows.col(filter.log_young()) - displaced) / stiffness;
     const auto felt = state.motion.felt().block<6, 12>(6 * g, 0);
     for (int other = 0; other < states_.grasps; ++other) {
       if (!model.is_held(other)) continue;
-      hand.H.middleCols<2>(states_.material() + 1) +=
-          state.stiffness() * felt.middleCols<6>(6 * other) *
-          sensitivity.dw_dparameter[other].rightCols<2>();
+      hand.H.middleCols<2>(log_young + 1) += state.stiffness() * felt.middleCols<6>(6 * other) *
+                                             sensitivity.dw_dparameter[other].rightCols<2>();
     }
-    hand.H.middleCols<6>(states_.error(g)).setIdentity();
-    math::Vector6d y = now.y.segment<6>(row);
-    y += rows.leftCols(offsets) * filter.mean().head(offsets);
-    y += rows.col(filter.log_young()) * filter.mean()[filter.log_young()];
-    y += rows.middleCols<6>(filter.bias(g)) * filter.mean().segment<6>(filter.bias(g));
+    y += displaced + (stiffness - 1) * hand.H.col(log_young) +
+         by_bias * filter.mean().segment<6>(filter.bias(g));
     sums_[g] += y;
     hand.R = now.noise.block<6, 6>(row, row);
-    const math::Vector6d predicted = now.measured.segment<6>(row) - now.y.segment<6>(row);
-    const double force = options_.pose_error * predicted.head<3>().norm();
-    const double torque = options_.pose_error * predicted.tail<3>().norm() + lever_[g] * force;
-    hand.error << Eigen::Vector3d::Constant(force), Eigen::Vector3d::Constant(torque);
+    hand.size = now_.size_of_wrench(hand, now.measured.segment<6>(row) - y, lever_[g]);
     row += 6;
   }
 }
@@ -153,26 +166,33 @@ WrenchKnowledge::Comparison WrenchConsistency::compare(
     int hand, const WrenchKnowledge& earlier) const noexcept {
   WrenchKnowledge known = earlier;
   known.advance(record_);
-  return known.compare(record_[hand].H, record_[hand].y, record_[hand].R);
+  return known.compare(record_[hand]);
 }
 
 void WrenchConsistency::judge() noexcept {
   discrepancy_ = Discrepancy();
   int back = 0;
   for (int g = 0; g < states_.grasps; ++g) {
+    differences_[g].setZero();
+    deviations_[g].setConstant(-1);
     if (!record_[g].valid) continue;
+    double most = -1;
     const auto consider = [&](const WrenchKnowledge& knowledge, int age) {
       const WrenchKnowledge::Comparison found = compare(g, knowledge);
       if (!found.valid) return;
-      const double test = found.squared / kHandRows;
+      const double test =
+          found.squared / kHandRows / (age == kSnapshots && !is_inconsistent_ ? kOfPrior : 1);
       // The age of the most recent knowledge that is contradicted bounds the time since it began.
       if (test > threshold_ && (back == 0 || age < back)) back = age;
+      if (test <= most) return;
+      most = test;
+      differences_[g] = found.difference;
+      deviations_[g] = found.S.diagonal().cwiseSqrt();
       if (test <= discrepancy_.test) return;
       discrepancy_.test = test;
       discrepancy_.hand = g;
       discrepancy_.wrench = found.difference;
-      const math::Vector6d deviation = found.S.diagonal().cwiseSqrt();
-      found.difference.cwiseQuotient(deviation).cwiseAbs().maxCoeff(&discrepancy_.axis);
+      differences_[g].cwiseQuotient(deviations_[g]).cwiseAbs().maxCoeff(&discrepancy_.axis);
     };
     if (is_inconsistent_) {
       consider(now_, 1);
@@ -205,7 +225,7 @@ void WrenchConsistency::learn_from_wrenches() noexcept {
   now_.advance(record_);
   for (const HandRecord& hand : record_) {
     if (!hand.valid) continue;
-    now_.correct(now_.compare(hand.H, hand.y, hand.R * (kMotionErrors / kPeriod)));
+    now_.correct(hand, WrenchKnowledge::Appended::Zero(6, 0), hand.R * (kMotionErrors / kPeriod));
   }
 }
 
@@ -222,14 +242,8 @@ void WrenchConsistency::write(DiscrepancyReport& report) const noexcept {
   report.threshold = threshold_;
   report.hand = discrepancy_.hand;
   report.axis = discrepancy_.axis;
-  for (int g = 0; g < states_.grasps; ++g) {
-    report.difference[g].setZero();
-    report.deviation[g].setConstant(-1);
-    if (!record_[g].valid) continue;
-    const WrenchKnowledge::Comparison found = compare(g, initial_);
-    report.difference[g] = found.difference;
-    report.deviation[g] = found.S.diagonal().cwiseSqrt();
-  }
+  report.difference = differences_;
+  report.deviation = deviations_;
 }
 
 }  // namespace palpate::estimation

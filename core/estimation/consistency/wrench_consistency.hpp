@@ -9,28 +9,29 @@
 namespace palpate::estimation {
 
 /// Tests whether the wrenches of the hands are consistent with the model. A Kalman filter of its
-/// own estimates offsets of the grasps, biases of the sensors, stiffness, Poisson's ratio and
-/// density and, for each hand, an error of the predicted wrench that decorrelates as the hand
-/// moves. Each update compares the mean wrench of 50 ms with what was known 0.5, 1, 2 and 4 s
-/// earlier, and with the prior: a sudden discrepancy contradicts recent knowledge, a slowly growing
-/// one earlier knowledge, one present from the start the prior. The squared normalised difference
-/// of a hand is chi-square distributed with 6 degrees of freedom as long as the model holds; the
-/// threshold follows from the permitted rate of false alarms. Unlike WrenchUpdate, whose noise is
-/// inflated by information already used because it decides how fast to learn, it uses noise and
-/// model error as such. Reference: docs/theory.md, section 4; Willsky and Jones 1976 for tests
-/// against earlier knowledge. Nothing allocates.
+/// own estimates WrenchStates. Each update compares the mean wrench of 50 ms with what was known
+/// 0.5, 1, 2 and 4 s earlier, and with the prior: a sudden discrepancy contradicts recent
+/// knowledge, a slowly growing one earlier knowledge, one present from the start the prior. The
+/// squared normalised difference of a hand is chi-square distributed with 6 degrees of freedom as
+/// long as the model holds; the threshold follows from the permitted rate of false alarms. Unlike
+/// WrenchUpdate, whose noise is inflated by information already used because it decides how fast to
+/// learn, it uses noise and model error as such. Reference: docs/theory.md, section 4; Willsky and
+/// Jones 1976 for tests against earlier knowledge. Nothing allocates.
 class WrenchConsistency {
  public:
   /// Standard deviations of what the model does not know in addition to the states of WrenchFilter;
   /// the defaults are those that a careful calibration leaves.
   struct Options {
-    double dimensions = 0.005;  // 1, relative error of the object's dimensions
-    double poisson = 0.05;      // 1, of Poisson's ratio
-    double density = 0.03;      // 1, relative error of the density
-    /// 1, relative error of the predicted wrench that varies with the pose of the hand: uneven
-    /// stiffness, discretisation
-    double pose_error = 0.06;
-    double false_alarms = 1;  // 1/h, per hand, while the model holds
+    double poisson = 0.05;  // 1, of Poisson's ratio
+    double density = 0.03;  // 1, relative error of the density
+    /// 1, relative error of the stiffness in each direction, compared with the common factor:
+    /// uneven stiffness, dimensions
+    double stiffness_error = 0.1;
+    /// 1, error that varies with the pose of the hand, relative to the size of the wrench
+    double pose_error = 0.05;
+    double position_error = 3e-4;  // m, error of the hand's position that varies with its pose
+    double rotation_error = 1e-3;  // rad, of its rotation
+    double false_alarms = 1;       // 1/h, per hand, while the model holds
   };
   static constexpr int kSnapshots = 9;  // one each 0.5 s
 
@@ -96,6 +97,7 @@ class WrenchConsistency {
   std::array<math::Vector6d, 2> sums_;
   int sum_count_ = 0;
   Discrepancy discrepancy_;
+  std::array<math::Vector6d, 2> differences_, deviations_;  // of the last test
   bool is_inconsistent_ = false, has_just_begun_ = false;
   int snapshots_back_ = 0, exceeded_ = 0, passed_ = 0;
 };

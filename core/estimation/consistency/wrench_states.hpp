@@ -7,19 +7,23 @@ namespace palpate::estimation {
 /// States on which the predicted wrenches of one or two hands depend: for each hand the offset of
 /// its grasp (m, rad, in G) and the bias of its sensor (N, N m, in G); the logarithm of Young's
 /// modulus over its nominal value, the error of Poisson's ratio, the logarithm of the density over
-/// its nominal value; for each hand an error of the predicted wrench that varies with its pose (N,
-/// N m, in O). Causes of a discrepancy may append states of their own.
+/// its nominal value; for each hand the relative errors of the elastic part of each component of
+/// its wrench (stiffness that differs between tension, bending and torsion, in O), and two errors
+/// that vary with its pose: of the grasp (m, rad, in G), and of the predicted wrench relative to
+/// its size (in O). Causes of a discrepancy may append states of their own.
 struct WrenchStates {
   static constexpr int kMostAppended = 12;
-  static constexpr int kMost = 39 + kMostAppended;
+  static constexpr int kMost = 63 + kMostAppended;
 
   int grasps = 1;
 
   int offset(int grasp) const noexcept { return 6 * grasp; }
   int bias(int grasp) const noexcept { return 6 * grasps + 6 * grasp; }
-  int material() const noexcept { return 12 * grasps; }
-  int error(int grasp) const noexcept { return material() + 3 + 6 * grasp; }
-  int count() const noexcept { return error(grasps); }  // without appended states
+  int log_young() const noexcept { return 12 * grasps; }
+  int stiffness(int grasp) const noexcept { return log_young() + 3 + 6 * grasp; }
+  int pose_error(int grasp) const noexcept { return stiffness(grasps) + 6 * grasp; }
+  int wrench_error(int grasp) const noexcept { return pose_error(grasps) + 6 * grasp; }
+  int count() const noexcept { return wrench_error(grasps); }  // without appended states
 };
 
 /// s, correlation time of the errors of a moving hand: records within it carry the information of
@@ -31,20 +35,26 @@ struct HandRecord {
   using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, WrenchStates::kMost>;
 
   bool valid = false;
-  Rows H;                // dependence on WrenchStates
-  math::Vector6d y;      // N, N m, at G in O: measured minus predicted for the nominal parameters
-  math::Matrix6d R;      // covariance of the noise of y
-  math::Vector6d error;  // N, N m, standard deviation of the error that varies with the pose
-  double travel = 0;     // motion of the hand until now, in distances that decorrelate this error
+  int grasp = 0;
+  /// Dependence on offsets, biases, material and errors of the pose, for the nominal parameters;
+  /// other columns are zero.
+  Rows H;
+  math::Vector6d y;     // N, N m, at G in O: measured minus predicted for the nominal parameters
+  math::Matrix6d R;     // covariance of the noise of y
+  math::Vector6d size;  // N, N m, size of the predicted force and torque, by component
+  double travel = 0;    // motion of the hand until now, in distances that decorrelate the errors
 };
 using WrenchRecord = std::array<HandRecord, 2>;
 
-/// Mean and covariance of WrenchStates and appended states.
+/// Mean and covariance of WrenchStates and appended states: an extended Kalman filter. The elastic
+/// part of a wrench is proportional to E, also where offsets of the grasps cause it.
 class WrenchKnowledge {
  public:
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, WrenchStates::kMost, 1>;
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, WrenchStates::kMost,
                                WrenchStates::kMost>;
+  /// Dependence of a hand's wrench on appended states.
+  using Appended = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, WrenchStates::kMostAppended>;
   /// A measured wrench compared with the knowledge.
   struct Comparison {
     bool valid = false;
@@ -55,30 +65,49 @@ class WrenchKnowledge {
     double log_likelihood = 0;  // of the wrench
   };
 
-  /// Zero means with these deviations; no knowledge of the errors that vary with the pose.
+  /// Zero means with these deviations, also of the errors that vary with the pose.
   WrenchKnowledge(WrenchStates states, const Vector& deviations);
 
   /// Adds states of mean zero and this covariance.
   void append(const Matrix& covariance) noexcept;
   /// The errors that vary with the pose decorrelate by the motion of the hands until `record`.
   void advance(const WrenchRecord& record) noexcept;
-  /// `H`: rows of all states; `y`, `R`: as in HandRecord.
-  Comparison compare(const HandRecord::Rows& H, const math::Vector6d& y,
+  /// `R`: covariance of the noise of the wrench, at least that of the record.
+  Comparison compare(const HandRecord& hand, const Appended& appended,
                      const math::Matrix6d& R) const noexcept;
-  void correct(const Comparison& comparison) noexcept;
+  Comparison compare(const HandRecord& hand) const noexcept {
+    return compare(hand, Appended::Zero(6, 0), hand.R);
+  }
+  /// Corrects the states by a wrench; the dependence on them is evaluated at the corrected ones.
+  void correct(const HandRecord& hand, const Appended& appended, const math::Matrix6d& R) noexcept;
   /// Adds to the variance of appended states from `first` on, in their order.
   void diffuse(int first, const Matrix& covariance) noexcept;
   /// Without appended states, of which the first six are added to those from `into` on.
   WrenchKnowledge folded(int into) const noexcept;
+  /// N, N m, size of a hand's force and torque under the object alone, by component, from the
+  /// predicted wrench for the nominal parameters, the means and the deviations of the grasps.
+  /// `lever`: m, of the error of a force.
+  math::Vector6d size_of_wrench(const HandRecord& hand, const math::Vector6d& nominal,
+                                double lever) const noexcept;
 
   const WrenchStates& states() const noexcept { return states_; }
   const Vector& mean() const noexcept { return mean_; }
   const Matrix& covariance() const noexcept { return covariance_; }
 
  private:
+  struct Linearised {
+    HandRecord::Rows H;
+    math::Vector6d predicted;  // N, N m, relative to the prediction for the nominal parameters
+  };
+  math::Vector6d by_displacements(const HandRecord& hand, const Vector& mean) const noexcept;
+  Linearised linearise(const HandRecord& hand, const Appended& appended,
+                       const Vector& mean) const noexcept;
+
   WrenchStates states_;
   Vector mean_;
   Matrix covariance_;
+  /// Of the states that vary with the pose, those of each hand in one vector.
+  Eigen::Matrix<double, 12, 2> varying_;
   std::array<double, 2> travel_;
 };
 

@@ -6,7 +6,8 @@ import random
 import statistics
 
 DETECTABLE = 3.0     # standard deviations
-IN_TIME = 0.5        # s after the largest error passes 3 mm
+LIMIT = 3.0          # mm, of the largest node error
+IN_TIME = 0.5        # s
 RECOVERY = 2.0       # s after the end of a contact
 CONTACTS = ("table", "cylinder", "wall", "weight")
 RESAMPLES = 2000
@@ -34,70 +35,36 @@ def passes(world):
     return score["onset_s"] is not None and score["largest_error_passed_s"] is not None
 
 
-def in_time(world):
-    """Whether a world that passes 3 mm was reported by then, after the onset, or within half a second."""
+def detectable_from(world):
+    """s, first instant of the discrepancy at which the largest node error exceeds 3 mm and a component of the wrench
+    differs from its prediction by more than three standard deviations; None: never."""
     score = world["score"]
-    return score["reported_s"] is not None and score["reported_s"] - score["largest_error_passed_s"] <= IN_TIME
-
-
-# The wrench of the plant minus that of pose alone, over its deviation where no discrepancy is.
-
-
-def evenness(squares):
-    """Spread of the worlds' mean squares relative to their mean: of two measures the lower one is the more even."""
-    mean = statistics.fmean(squares)
-    return statistics.pstdev(squares) / mean if mean > 0 else math.inf
-
-
-def wrench_deviations(worlds):
-    """Of each object with worlds of the kind none: (deviation of each hand and component, whether it is a share of the
-    predicted force or torque). Pooled over time and worlds; as a share for a component where that is more even."""
-    found = {}
-    for name in sorted({world["object"] for world in worlds}):
-        errors = [world["score"]["wrench_error"] for world in worlds
-                  if world["object"] == name and world["kind"] == "none" and world["score"]["wrench_error"]]
-        errors = [error for error in errors if error["windows"]]
-        if not errors:
-            continue
-        found[name] = []
-        for component in range(min(len(error["largest"]) for error in errors)):
-            choices = []
-            for key, is_share in (("mean_square", False), ("mean_square_share", True)):
-                squares = [error[key][component] for error in errors]
-                weights = [error["windows"] for error in errors]
-                pooled = sum(s * w for s, w in zip(squares, weights)) / sum(weights)
-                choices.append((evenness(squares), math.sqrt(pooled), is_share))
-            found[name].append(min(choices)[1:])
-    return found
-
-
-def plant_significance(world, deviations):
-    """Largest difference of the plant's wrench from that of pose alone in deviations, from the onset until 0.5 s after
-    the largest error passes 3 mm; None where it cannot be known."""
-    error, known = world["score"]["wrench_error"], deviations.get(world["object"])
-    if not error or not error["windows"] or not known:
+    if score["onset_s"] is None:
         return None
-    ratios = [error["largest_share" if is_share else "largest"][i] / deviation
-              for i, (deviation, is_share) in enumerate(known) if i < len(error["largest"]) and deviation > 0]
-    return max(ratios, default=None)
+    tests = score["tests"]
+    end = score["end_of_log_s"] if score["end_s"] is None else score["end_s"]
+    for time, error, value in zip(tests["time_s"], tests["largest_error_mm"], tests["significance"]):
+        if score["onset_s"] <= time <= end and error > LIMIT and value > DETECTABLE:
+            return time
+    return None
 
 
-def significance(world, deviations, by_plant):
-    return plant_significance(world, deviations) if by_plant else world["score"]["significance"]
+def delay(world, since):
+    """s from an instant until a report that lasts beyond it, at least zero; None: there is none."""
+    begins = [report["begin_s"] for report in world["score"]["reports"] if report["end_s"] >= since]
+    return max(0.0, min(begins) - since) if begins else None
 
 
-def detection(worlds, deviations, by_plant):
-    """Of worlds that pass 3 mm: numbers of all, of those with a known significance, detectable, reported in time among
-    the detectable, and reported in time among all."""
+def detection(worlds):
+    """Of worlds that pass 3 mm: numbers of all, of the detectable, and of those reported in time among them."""
     passing = [world for world in worlds if passes(world)]
-    known = [(world, significance(world, deviations, by_plant)) for world in passing]
-    known = [(world, value) for world, value in known if value is not None]
-    detectable = [world for world, value in known if value > DETECTABLE]
-    return {"passing": len(passing), "known": len(known), "detectable": len(detectable),
-            "in_time": sum(map(in_time, detectable)), "in_time_of_all": sum(map(in_time, passing)),
-            "left_out_percent": share(len(known) - len(detectable), len(known)),
-            "in_time_percent": share(sum(map(in_time, detectable)), len(detectable)),
-            "in_time_of_all_percent": share(sum(map(in_time, passing)), len(passing))}
+    since = [(world, detectable_from(world)) for world in passing]
+    delays = [delay(world, time) for world, time in since if time is not None]
+    in_time = sum(late is not None and late <= IN_TIME for late in delays)
+    return {"passing": len(passing), "detectable": len(delays), "in_time": in_time,
+            "delays": [late for late in delays if late is not None],
+            "left_out_percent": share(len(passing) - len(delays), len(passing)),
+            "in_time_percent": share(in_time, len(delays))}
 
 
 # Ranking.

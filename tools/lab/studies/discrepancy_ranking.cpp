@@ -32,6 +32,8 @@ std::vector<int> ranking_at(const log::RunLog& log, const std::vector<DoubtRepor
   for (auto last = log.discrepancies.rbegin(); last != log.discrepancies.rend(); ++last) {
     if (last->utime > until) continue;
     if (last->utime < from) break;
+    if (last->adopted != discrepancy_t::CAUSE_UNKNOWN && last->inconsistent == 0)
+      return {last->adopted};
     const int count = std::clamp(last->cause_count, 0, kCauseCount);
     if (count > 0) return {last->cause, last->cause + count};
   }

@@ -15,31 +15,53 @@ namespace {
 using Json = nlohmann::json;
 using scores::ShapeErrorSample;
 
-constexpr double kLimit = 3e-3;      // m, an error that must be reported
-constexpr double kInTime = 0.5;      // s after it, of a report in time
-constexpr double kStays = 0.1;       // s before the end of the log, of a contact that stays
-constexpr double kNoWorse = 0.1e-3;  // m, than pose alone after the end
-constexpr double kRanked = 2;        // s after a report
-constexpr double kSameTime = 5e-3;   // s, of two estimates' shapes
+constexpr double kLimit = 3e-3;         // m, an error that must be reported
+constexpr double kStays = 0.1;          // s before the end of the log, of a contact that stays
+constexpr double kNoWorse = 0.1e-3;     // m, than pose alone after the end
+constexpr double kRanked = 2;           // s after a report
+constexpr double kSameTime = 5e-3;      // s, of two estimates' shapes
+constexpr double kShapePeriod = 10e-3;  // s
 
-/// Errors of a log's shapes, with times since the start of the scene.
-std::vector<ShapeErrorSample> errors_of(const log::RunLog& log, const math::Pose& X_OP) {
-  std::vector<ShapeErrorSample> errors = scores::score_shape(log, X_OP).samples;
-  const double shift =
-      1e-6 * static_cast<double>(log.shapes.front().utime - log.truths.front().utime);
-  for (ShapeErrorSample& error : errors) error.time += shift;
-  return errors;
+/// Sample at that time or soon after; nullptr: there is none.
+const ShapeErrorSample* sample_at(const std::vector<ShapeErrorSample>& samples, double time) {
+  const auto after =
+      std::lower_bound(samples.begin(), samples.end(), time - kSameTime,
+                       [](const ShapeErrorSample& sample, double t) { return sample.time < t; });
+  if (after == samples.end() || after->time > time + kShapePeriod + kSameTime) return nullptr;
+  return &*after;
+}
+
+/// Columns of rounded numbers.
+Json json_of(const std::vector<TestedWrench>& tests) {
+  Json times = Json::array(), errors = Json::array(), significances = Json::array();
+  const auto rounded = [](double value) { return 1e-3 * std::round(1e3 * value); };
+  for (const TestedWrench& test : tests) {
+    times.push_back(rounded(test.time));
+    errors.push_back(rounded(1e3 * test.largest_error));
+    significances.push_back(rounded(test.significance));
+  }
+  return {{"time_s", times}, {"largest_error_mm", errors}, {"significance", significances}};
+}
+
+double significance_of(const discrepancy_t& report) {
+  double largest = 0;
+  for (int hand = 0; hand < std::clamp(report.grasp_count, 0, 2); ++hand)
+    for (int i = 0; i < 6; ++i) {
+      if (!(report.deviation[hand][i] > 0)) continue;
+      largest = std::max(largest, std::abs(report.difference[hand][i]) / report.deviation[hand][i]);
+    }
+  return largest;
 }
 
 class Scoring {
  public:
-  Scoring(const DiscrepancyWorld& world, const log::RunLog& log, const PoseAlone& pose,
-          const math::Pose& X_OP)
+  Scoring(const DiscrepancyWorld& world, const log::RunLog& log,
+          const std::vector<ShapeErrorSample>& pose_alone, const math::Pose& X_OP)
       : world_(world),
         log_(log),
-        pose_(pose),
+        pose_alone_(pose_alone),
         X_OP_(X_OP),
-        errors_(errors_of(log, X_OP)),
+        errors_(shape_errors(log, X_OP)),
         start_(log.truths.front().utime) {
     score_.begin = world.begin;
     score_.end_of_log = time(log.shapes.back().utime);
@@ -51,7 +73,7 @@ class Scoring {
     score_errors();
     score_reports();
     score_coverage();
-    score_wrench();
+    score_tests();
     score_rankings();
     compare_with_pose_alone();
     if (score_.end) score_recovery();
@@ -112,16 +134,13 @@ class Scoring {
                               });
   }
 
-  void score_wrench() {
-    double until = score_.end_of_log;
-    if (score_.onset) {
-      if (!score_.largest_passed) return;
-      until = *score_.largest_passed + kInTime;
-      score_.significance = largest_significance(log_.discrepancies, utime(onset()), utime(until));
+  void score_tests() {
+    for (const discrepancy_t& report : log_.discrepancies) {
+      if (time(report.utime) < score_.begin) continue;
+      const ShapeErrorSample* sample = sample_at(errors_, time(report.utime));
+      if (sample == nullptr) continue;
+      score_.tests.push_back({time(report.utime), sample->maximum, significance_of(report)});
     }
-    if (!pose_.estimates.empty())
-      score_.wrench_error = wrench_error(log_.truth_contacts, pose_.estimates, X_OP_,
-                                         utime(std::max(onset(), score_.begin)), utime(until));
   }
 
   void score_rankings() {
@@ -133,15 +152,6 @@ class Scoring {
     score_.late_ranking = ranking(end());
   }
 
-  /// Error of pose alone at the time of a sample; nullptr if it has none.
-  const ShapeErrorSample* pose_at(double time) const {
-    const auto after =
-        std::lower_bound(pose_.errors.begin(), pose_.errors.end(), time - kSameTime,
-                         [](const ShapeErrorSample& sample, double t) { return sample.time < t; });
-    if (after == pose_.errors.end() || after->time > time + kSameTime) return nullptr;
-    return &*after;
-  }
-
   void compare_with_pose_alone() {
     double of_pose = 0;
     int count = 0, compared = 0;
@@ -149,7 +159,7 @@ class Scoring {
       if (sample.time < score_.begin) continue;
       score_.average_error += sample.mean;
       ++count;
-      const ShapeErrorSample* pose = pose_at(sample.time);
+      const ShapeErrorSample* pose = sample_at(pose_alone_, sample.time);
       if (pose == nullptr) continue;
       of_pose += pose->mean;
       ++compared;
@@ -167,7 +177,7 @@ class Scoring {
         below.reset();
       else if (!below)
         below = since;
-      const ShapeErrorSample* pose = pose_at(sample.time);
+      const ShapeErrorSample* pose = sample_at(pose_alone_, sample.time);
       if (pose == nullptr) continue;
       if (sample.mean > pose->mean + kNoWorse) {
         no_worse.reset();
@@ -186,7 +196,7 @@ class Scoring {
 
   const DiscrepancyWorld& world_;
   const log::RunLog& log_;
-  const PoseAlone& pose_;
+  const std::vector<ShapeErrorSample>& pose_alone_;
   const math::Pose X_OP_;
   const std::vector<ShapeErrorSample> errors_;
   const std::int64_t start_;
@@ -201,15 +211,20 @@ Json names_of(const std::vector<int>& causes) {
 
 }  // namespace
 
-PoseAlone pose_alone(log::RunLog& log, const math::Pose& X_OP) {
-  return {errors_of(log, X_OP), std::move(log.estimates)};
+std::vector<ShapeErrorSample> shape_errors(const log::RunLog& log, const math::Pose& X_OP) {
+  std::vector<ShapeErrorSample> errors = scores::score_shape(log, X_OP).samples;
+  const double shift =
+      1e-6 * static_cast<double>(log.shapes.front().utime - log.truths.front().utime);
+  for (ShapeErrorSample& error : errors) error.time += shift;
+  return errors;
 }
 
 DiscrepancyScore score_discrepancy(const DiscrepancyWorld& world, const log::RunLog& log,
-                                   const PoseAlone& pose, const math::Pose& X_OP) {
+                                   const std::vector<ShapeErrorSample>& pose_alone,
+                                   const math::Pose& X_OP) {
   if (log.truths.empty() || log.shapes.empty() || log.estimates.empty())
     throw std::runtime_error("the log holds no truth or no estimate");
-  return Scoring(world, log, pose, X_OP).score();
+  return Scoring(world, log, pose_alone, X_OP).score();
 }
 
 nlohmann::json to_json(const DiscrepancyScore& score, std::int64_t start) {
@@ -245,8 +260,7 @@ nlohmann::json to_json(const DiscrepancyScore& score, std::int64_t start) {
           {"cleared_s", common::or_null(score.cleared)},
           {"reached_pose_alone_s", common::or_null(score.reached_pose_alone)},
           {"stays_at_pose_alone_s", common::or_null(score.stays_at_pose_alone)},
-          {"significance", common::or_null(score.significance)},
-          {"wrench_error", score.wrench_error ? to_json(*score.wrench_error) : Json()},
+          {"tests", json_of(score.tests)},
           {"ranking_2s_after_report", names_of(score.early_ranking)},
           {"ranking_at_the_end", names_of(score.late_ranking)}};
 }

@@ -9,19 +9,19 @@
 #include "tools/lab/scores/shape_score.hpp"
 #include "tools/lab/studies/discrepancy_reports.hpp"
 #include "tools/lab/studies/discrepancy_world.hpp"
-#include "tools/lab/studies/discrepancy_wrench.hpp"
 
 namespace palpate::studies {
 
-/// What the pose of the hand alone gives in a world: the estimate is compared with it.
-struct PoseAlone {
-  std::vector<scores::ShapeErrorSample> errors;  // times in s since the start of the scene
-  std::vector<estimate_t> estimates;             // of which the predicted wrenches are used
-};
+/// Errors of SHAPE, with times in s since the start of the scene. X_OP: pose of the plant's O (P)
+/// in palpated's O. Throws std::runtime_error if the log lacks truth or shape.
+std::vector<scores::ShapeErrorSample> shape_errors(const log::RunLog& log, const math::Pose& X_OP);
 
-/// `log`: truth, and SHAPE and ESTIMATE of pose alone; its estimates are taken. X_OP: pose of the
-/// plant's O (P) in palpated's O. Throws std::runtime_error if the log lacks truth or shape.
-PoseAlone pose_alone(log::RunLog& log, const math::Pose& X_OP);
+/// A test of the wrenches.
+struct TestedWrench {
+  double time = 0;           // s
+  double largest_error = 0;  // m, of a node
+  double significance = 0;   // largest |difference| / deviation of DISCREPANCY
+};
 
 /// An estimate in a world that its model does not describe. Times in s since the start of the
 /// scene.
@@ -47,20 +47,18 @@ struct DiscrepancyScore {
   /// m, mean over time of the nodes' mean error, and the same of pose alone.
   double average_error = 0;
   std::optional<double> average_of_pose_alone;
-  /// Largest |difference| / deviation of DISCREPANCY from the onset until 0.5 s after the largest
-  /// error passes 3 mm.
-  std::optional<double> significance;
-  /// True wrench minus that of pose alone in the same time; without a discrepancy in all.
-  std::optional<WrenchError> wrench_error;
+  std::vector<TestedWrench> tests;  // since the motion began
   /// Causes (discrepancy_t) 2 s after the report, and at the end of the discrepancy or the log.
   std::vector<int> early_ranking, late_ranking;
 };
 
 /// `log`: truth, SHAPE, ESTIMATE, HEALTH and, if there is any, UNKNOWN_CONTACT and DISCREPANCY;
-/// `pose`: of the same recording. X_OP: pose of the plant's O (P) in palpated's O. Throws
-/// std::runtime_error if the log lacks truth or estimate.
+/// `pose_alone`: errors of the shape by the pose alone in the same recording, or none. X_OP: pose
+/// of the plant's O (P) in palpated's O. Throws std::runtime_error if the log lacks truth or
+/// estimate.
 DiscrepancyScore score_discrepancy(const DiscrepancyWorld& world, const log::RunLog& log,
-                                   const PoseAlone& pose, const math::Pose& X_OP);
+                                   const std::vector<scores::ShapeErrorSample>& pose_alone,
+                                   const math::Pose& X_OP);
 
 /// Times of the reports in s since `start` (us), that of the scene.
 nlohmann::json to_json(const DiscrepancyScore& score, std::int64_t start);

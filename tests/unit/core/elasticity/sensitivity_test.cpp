@@ -204,6 +204,33 @@ TEST_P(SensitivityOfEveryOrder, TurnsWithARigidMotion) {
   }
 }
 
+/// With an old factor too the derivative of the wrench by log E is that of the present wrench: the
+/// elastic part of a wrench is proportional to E.
+TEST(SensitivityInTheLoop, TheWrenchByYoungsModulusFollowsTheHandWithoutANewFactor) {
+  const Body body = bar(mesh::ElementOrder::kQuadratic);
+  CorotationalQuasistatic model(body, {}), fresh(body);
+  const math::Pose rest = body.grasps[0].X_OG_rest;
+  for (CorotationalQuasistatic* m : {&model, &fresh}) {
+    m->prepare();
+    m->hold(0, rest);
+    refactor(*m);
+  }
+  math::Pose moved = rest;
+  moved.translation() += Vector3d(0.004, 0.01, -0.005);
+  for (CorotationalQuasistatic* m : {&model, &fresh}) {
+    m->hold(0, moved);
+    ASSERT_EQ(settle(*m, true).status, StepStatus::kConverged);
+    m->step(kDt);
+  }
+  refactor(fresh);
+  fresh.step(kDt);
+  const math::Vector6d now = model.sensitivity().dw_dparameter[0].col(Sensitivity::kLogYoung),
+                       expected = fresh.sensitivity().dw_dparameter[0].col(Sensitivity::kLogYoung),
+                       before = model.sensitivity().reaction[0];
+  EXPECT_GT((model.reaction(0).vector() - before).norm(), 0.5 * expected.norm());
+  EXPECT_LT((now - expected).norm(), 0.02 * expected.norm());
+}
+
 /// The clamp swings by 60 degrees about two axes once a second and moves by 50 mm, the tip is
 /// pulled around by 1 N, and factorisations arrive `delay` steps after their snapshot, as from a
 /// background thread.

@@ -255,6 +255,26 @@ TEST(FtNewtonEuler, AHandThatSetsOffIsNotSmoothed) {
   EXPECT_LT(worst, 1);
 }
 
+TEST(FtNewtonEuler, AHandThatComesToRestLeavesNoForceBehind) {
+  ShakenHand hand;
+  hand.options.rest_speed = 1e-3;
+  FtNewtonEuler sensor(hand.options);
+  Signals signals;
+  ContactSet contacts;
+  double worst = 0;
+  for (int tick = 0; tick < 2500; ++tick) {
+    // It shakes for two seconds, and then stands still at once.
+    const bool moves = tick < 2000;
+    hand.feed_all(signals, moves ? tick * kPeriod : 0, {});
+    signals.robot.latest.V_W_E = {Eigen::Vector3d(moves ? 0.1 : 0, 0, 0), Eigen::Vector3d::Zero()};
+    signals.inertial.fresh[0].time = signals.robot.latest.time = tick * kPeriod;
+    signals.inertial.latest = signals.inertial.fresh[0];
+    static_cast<void>(sensor.update(signals, contacts = {}));
+    if (tick > 2150) worst = std::max(worst, contacts.contacts[0].wrench.force.norm());
+  }
+  EXPECT_LT(worst, 0.05);  // N
+}
+
 TEST(FtNewtonEuler, DegradesWithoutRobotState) {
   const ShakenHand hand;
   FtNewtonEuler sensor(hand.options);

@@ -16,19 +16,21 @@ import discrepancy_rules as rules  # noqa: E402
 CAUSES = {"table": "contact", "slip": "slip", "weight": "weight"}
 
 
-def wrench(largest, squares=0.01, largest_share=0.5, square_shares=0.01, windows=100):
-    return {"windows": windows, "largest": [largest] * 6, "mean_square": [squares] * 6,
-            "largest_share": [largest_share] * 6, "mean_square_share": [square_shares] * 6}
+def tests_of(significance, largest_mm, since):
+    """Twenty seconds of tests; before `since` nothing is significant."""
+    times = [0.5 * i for i in range(40)]
+    return {"time_s": times, "largest_error_mm": [largest_mm if t >= since else 1.0 for t in times],
+            "significance": [significance if t >= since else 1.0 for t in times]}
 
 
-def world(kind, number=1, wrench_error=None, **score):
+def world(kind, number=1, **score):
     known = {"onset_s": None if kind == "none" else 2, "end_s": None, "end_of_log_s": 20, "free_air_s": 0,
              "mean_error_passed_s": None, "largest_error_passed_s": None, "mean_error_mm": 1, "largest_error_mm": 5,
              "average_error_mm": 1, "average_error_of_pose_alone_mm": 1, "reports": [], "reported_s": None, "reason": "",
              "false_reports": 0, "covered_while_reported_percent": None, "nodes_while_reported": 0,
              "nodes_inside_while_reported": 0, "covered_while_wrong_and_unreported_percent": None, "recovered_s": None,
-             "cleared_s": None, "reached_pose_alone_s": None, "stays_at_pose_alone_s": None, "significance": None,
-             "wrench_error": wrench_error, "ranking_2s_after_report": [], "ranking_at_the_end": []}
+             "cleared_s": None, "reached_pose_alone_s": None, "stays_at_pose_alone_s": None,
+             "tests": tests_of(1, 1, 0), "ranking_2s_after_report": [], "ranking_at_the_end": []}
     assert not set(score) - set(known)
     return {"name": f"{kind}_{number}", "kind": kind, "object": "bar", "cause": CAUSES.get(kind),
             "score": {**known, **score}}
@@ -40,42 +42,35 @@ def belief(inside, nodes=1000, nees=1.0, error=1.0, radius=1.5, log_error=0.1, l
             "points": [{"place": [1, 0, 0], "error_mm": [error], "radius_mm": [radius]}]}
 
 
-class Detection(unittest.TestCase):
-    def test_a_report_counts_until_half_a_second_after_the_error_passes(self):
-        times = {None: False, 2.1: True, 4.0: True, 4.5: True, 4.51: False}
-        for reported, expected in times.items():
-            self.assertEqual(rules.in_time(world("table", largest_error_passed_s=4, reported_s=reported)), expected)
+def report(begin, end):
+    return {"begin_s": begin, "end_s": end, "reason": "external contact"}
 
-    def test_worlds_of_a_small_error_or_a_small_difference_are_left_out(self):
-        worlds = [world("table", largest_error_passed_s=4, reported_s=4.2, significance=3.1),
-                  world("table", largest_error_passed_s=4, significance=50),
-                  world("slip", largest_error_passed_s=4, reported_s=4.2, significance=2.9),
-                  world("slip", largest_error_passed_s=4),  # no DISCREPANCY in its log
-                  world("slip", significance=80, reported_s=3),  # its error stays small
-                  world("none", largest_error_passed_s=4)]
-        found = rules.detection(worlds, {}, by_plant=False)
-        self.assertEqual([found[key] for key in ("passing", "known", "detectable", "in_time", "in_time_of_all")],
-                         [4, 3, 2, 1, 2])
+
+class Detection(unittest.TestCase):
+    def test_a_world_is_detectable_once_error_and_wrench_are_beyond_their_limits(self):
+        self.assertEqual(rules.detectable_from(world("table", tests=tests_of(3.1, 3.1, 4), end_s=18)), 4)
+        for small in (tests_of(2.9, 3.1, 4), tests_of(3.1, 2.9, 4)):
+            self.assertIsNone(rules.detectable_from(world("table", tests=small)))
+        self.assertIsNone(rules.detectable_from(world("table", tests=tests_of(3.1, 3.1, 4), end_s=3)))
+
+    def test_a_report_counts_that_begins_in_time_and_still_lasts(self):
+        times = [((3, 5), 0), ((4.4, 9), 0.4), ((4.6, 9), 0.6), ((3, 3.9), None)]
+        for (begin, end), late in times:
+            found = rules.delay(world("table", reports=[report(begin, end)]), 4)
+            self.assertEqual(late is None, found is None)
+            if late is not None:
+                self.assertAlmostEqual(found, late)
+
+    def test_left_out_are_worlds_that_pass_3_mm_and_are_not_detectable(self):
+        seen = {"largest_error_passed_s": 4, "tests": tests_of(3.1, 3.1, 4)}
+        worlds = [world("table", **seen, reports=[report(4.2, 9)]), world("table", **seen),
+                  world("slip", largest_error_passed_s=4, tests=tests_of(2.9, 3.1, 4)),
+                  world("slip", reports=[report(4.2, 9)]),  # its error stays small
+                  world("none", **seen)]
+        found = rules.detection(worlds)
+        self.assertEqual([found[key] for key in ("passing", "detectable", "in_time")], [3, 2, 1])
         self.assertAlmostEqual(found["left_out_percent"], 100 / 3)
         self.assertEqual(found["in_time_percent"], 50)
-
-    def test_the_plants_wrench_is_judged_by_free_air_of_the_same_object(self):
-        free = [world("none", i, wrench(0.3, 0.01, square_shares=square)) for i, square in enumerate((0.01, 0.05))]
-        deviations = rules.wrench_deviations(free)
-        self.assertEqual(deviations["bar"], [(0.1, False)] * 6)  # equal squares: more even than the shares
-        seen, unseen = (world("table", largest_error_passed_s=4, wrench_error=wrench(x)) for x in (0.31, 0.29))
-        self.assertAlmostEqual(rules.plant_significance(seen, deviations), 3.1)
-        self.assertEqual(rules.detection([seen, unseen], deviations, by_plant=True)["detectable"], 1)
-        other = {**seen, "object": "block"}
-        self.assertIsNone(rules.plant_significance(other, deviations))
-        self.assertEqual(rules.detection([other], deviations, by_plant=True)["known"], 0)
-
-    def test_the_share_of_the_wrench_is_taken_where_it_is_more_even(self):
-        free = [world("none", 1, wrench(0, 0.01, square_shares=0.04)),
-                world("none", 2, wrench(0, 1.0, square_shares=0.04))]
-        self.assertEqual(rules.wrench_deviations(free)["bar"][0], (0.2, True))
-        table = world("table", largest_error_passed_s=4, wrench_error=wrench(9, largest_share=0.7))
-        self.assertAlmostEqual(rules.plant_significance(table, rules.wrench_deviations(free)), 3.5)
 
 
 class Ranking(unittest.TestCase):
@@ -130,14 +125,15 @@ class FreeAir(unittest.TestCase):
 
 class Program(unittest.TestCase):
     STUDY = {"version": "9.9", "set": "scoring", "seed": 1, "failures": [],
-             "worlds": [{**world("none", i, wrench(0.1), free_air_s=900), "intervals": belief(950)} for i in range(3)] +
-             [world("table", 1, wrench(2), largest_error_passed_s=4, reported_s=4.2, significance=9,
+             "worlds": [{**world("none", i, free_air_s=900), "intervals": belief(950)} for i in range(3)] +
+             [world("table", 1, tests=tests_of(9, 9, 4), largest_error_passed_s=4, reported_s=4.2,
+                    reports=[report(4.2, 9)],
                     ranking_at_the_end=["contact"], nodes_while_reported=100, nodes_inside_while_reported=80)]}
 
     def test_goals_are_met_missed_or_not_judged(self):
         goals = {entry["goal"]: entry for entry in page.goals_of(self.STUDY["worlds"])}
-        self.assertTrue(goals["reported within 0.5 s of passing 3 mm, of the detectable by DISCREPANCY"]["met"])
-        self.assertTrue(goals["left out as not detectable by the plant's wrench"]["met"])
+        self.assertTrue(goals["reported within 0.5 s of passing 3 mm, of the detectable"]["met"])
+        self.assertTrue(goals["left out as not detectable"]["met"])
         self.assertIs(goals["nodes in their 95 % balls while reported"]["met"], False)
         self.assertIs(goals["true cause first, 2 s after the report"]["met"], False)
         self.assertIsNone(goals["at most 0.1 mm worse than pose alone from 2 s after a contact on"]["met"])

@@ -184,19 +184,22 @@ TEST(DiscrepancyScore, ReportsBeforeTheMotionBeginsDoNotCount) {
   EXPECT_NEAR(to_json(score, 0)["free_air_s"].get<double>(), kSeconds - 5, 0.03);
 }
 
-TEST(DiscrepancyScore, SignificanceIsThatUntilHalfASecondAfterTheErrorPasses) {
-  // The error passes 3 mm at 2.3 s.
-  const auto peak_at = [](double at) {
-    log::RunLog run = reporting_run();
-    run.discrepancies =
-        discrepancies([at](double time) { return std::abs(time - at) < 0.03 ? 7.0 : 1.0; });
-    return *scored(weight(1.9, 4), run).significance;
-  };
-  EXPECT_NEAR(peak_at(2.0), 7, 1e-9);
-  EXPECT_NEAR(peak_at(2.75), 7, 1e-9);
-  EXPECT_NEAR(peak_at(2.9), 1, 1e-9);
-  EXPECT_NEAR(peak_at(1.8), 1, 1e-9) << "before the onset";
-  EXPECT_FALSE(scored(weight(1.9, 4), reporting_run()).significance) << "no DISCREPANCY";
+TEST(DiscrepancyScore, TestsHoldErrorAndSignificanceSinceTheMotionBegan) {
+  log::RunLog run = reporting_run();
+  run.discrepancies = discrepancies([](double time) { return time < 2.5 ? 1.0 : 7.0; });
+  DiscrepancyWorld world = weight(1.9, 4);
+  world.begin = 1;
+  const DiscrepancyScore score = scored(world, run);
+  ASSERT_FALSE(score.tests.empty());
+  EXPECT_NEAR(score.tests.front().time, 1.02, 0.051);
+  for (const TestedWrench& test : score.tests) {
+    EXPECT_NEAR(test.significance, test.time < 2.5 ? 1 : 7, 1e-9) << test.time;
+    if (test.time > 3.1 && test.time < 3.9) {
+      EXPECT_NEAR(test.largest_error, 0.01, 1e-5);
+    }
+  }
+  EXPECT_EQ(to_json(score, 0)["tests"]["time_s"].size(), score.tests.size());
+  EXPECT_TRUE(scored(weight(1.9, 4), reporting_run()).tests.empty()) << "no DISCREPANCY";
 }
 
 TEST(DiscrepancyScore, RankingsAreThoseAfterTheReportAndAtTheEnd) {
@@ -215,6 +218,11 @@ TEST(DiscrepancyScore, RankingsAreThoseAfterTheReportAndAtTheEnd) {
   EXPECT_EQ(score.late_ranking.at(0), discrepancy_t::CAUSE_WEIGHT);
   const auto json = to_json(score, 0);
   EXPECT_EQ(json["ranking_at_the_end"].dump(), R"(["weight","contact"])");
+  // An explanation that corrects the estimate has ended the discrepancy.
+  for (discrepancy_t& message : run.discrepancies)
+    if (message.utime > us(4.8)) message.adopted = discrepancy_t::CAUSE_SLIP;
+  EXPECT_EQ(scored(weight(1.9, 5), run).late_ranking,
+            std::vector<int>{discrepancy_t::CAUSE_SLIP});
 }
 
 TEST(DiscrepancyScore, RecoveryIsComparedWithPoseAlone) {
@@ -223,7 +231,7 @@ TEST(DiscrepancyScore, RecoveryIsComparedWithPoseAlone) {
     return p + Vector3d(0, time < 4.2 ? 0.02 : 0, 0);
   };
   log::RunLog by_pose = scores::synthetic_run(at_rest, pose_error, kSeconds);
-  const PoseAlone pose = pose_alone(by_pose, math::Pose::Identity());
+  const auto pose = shape_errors(by_pose, math::Pose::Identity());
   const DiscrepancyScore score =
       score_discrepancy(weight(1.9, 4), reporting_run(), pose, math::Pose::Identity());
   EXPECT_NEAR(*score.reached_pose_alone, 0, 0.02);
