@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
@@ -160,25 +161,31 @@ struct Modulus {
 
 class Predictions {
  public:
-  Predictions(const HangingBeams& beams, const std::map<std::string, double>& given, Law law)
-      : beams_(beams), given_(given), law_(law) {
-    for (const BeamCase& c : beams.cases) {
+  Predictions(const std::vector<HangingBeams>& recordings,
+              const std::map<std::string, double>& given, Law law)
+      : given_(given), law_(law) {
+    for (const HangingBeams& beams : recordings)
+      for (const BeamCase& c : beams.cases) all_.push_back({&beams, &c});
+    for (const auto& [beams, pointer] : all_) {
+      const BeamCase& c = *pointer;
       if (c.parts.size() > 1 || given.count(c.parts[0].material) > 0) continue;
-      common::Progress progress(static_cast<int>(fits_.size()) + 1,
-                                static_cast<int>(beams.cases.size()),
+      common::Progress progress(static_cast<int>(fits_.size()) + 1, static_cast<int>(all_.size()),
                                 c.recording + ", " + name_of(law) + ": fit to the drop");
-      fits_[c.name] = fit_to_drop(BeamModel(beams, c.parts), c.centre.y(), c.centre_deviation, law);
-      progress.finish(true, common::number(1e-3 * fits_[c.name].young_modulus, 1) + " kPa");
+      const DropFit fit =
+          fit_to_drop(BeamModel(*beams, c.parts), c.centre.y(), c.centre_deviation, law);
+      fits_[c.recording] = fit;
+      progress.finish(true, common::number(1e-3 * fit.young_modulus, 1) + " kPa");
     }
   }
 
   std::vector<ShapeResult> all() const {
     std::vector<ShapeResult> results;
-    for (const BeamCase& c : beams_.cases) {
+    for (const auto& [beams, pointer] : all_) {
+      const BeamCase& c = *pointer;
       if (c.parts.size() > 1 && law_ == Law::kHyperelastic) continue;
-      const auto fit = fits_.find(c.name);
+      const auto fit = fits_.find(c.recording);
       if (fit != fits_.end())
-        results.push_back(predict(c,
+        results.push_back(predict(*beams, c,
                                   {{fit->second.young_modulus,
                                     "fitted to the drop alone, sd " +
                                         common::number(1e-3 * fit->second.deviation, 1) + " kPa"}},
@@ -186,11 +193,11 @@ class Predictions {
       std::vector<Modulus> moduli;
       std::string missing;
       for (const BeamPart& part : c.parts) {
-        moduli.push_back(from_others(part.material, c.name));
+        moduli.push_back(from_others(part.material, c.recording));
         if (moduli.back().value == 0) missing = part.material;
       }
       if (missing.empty()) {
-        results.push_back(predict(c, moduli, false));
+        results.push_back(predict(*beams, c, moduli, false));
       } else if (fit == fits_.end()) {
         results.push_back({});
         results.back().recording = c.recording;
@@ -209,9 +216,10 @@ class Predictions {
     double logarithms = 0;
     int count = 0;
     std::string names;
-    for (const BeamCase& c : beams_.cases) {
-      const auto fit = fits_.find(c.name);
-      if (fit == fits_.end() || c.name == but || c.parts[0].material != material) continue;
+    for (const auto& [beams, pointer] : all_) {
+      const BeamCase& c = *pointer;
+      const auto fit = fits_.find(c.recording);
+      if (fit == fits_.end() || c.recording == but || c.parts[0].material != material) continue;
       logarithms += std::log(fit->second.young_modulus);
       names += (count++ > 0 ? ", " : "") + c.name;
     }
@@ -219,8 +227,9 @@ class Predictions {
     return {std::exp(logarithms / count), "fitted on " + names};
   }
 
-  ShapeResult predict(const BeamCase& c, const std::vector<Modulus>& moduli, bool is_fitted) const {
-    const BeamModel model(beams_, c.parts);
+  ShapeResult predict(const HangingBeams& beams, const BeamCase& c,
+                      const std::vector<Modulus>& moduli, bool is_fitted) const {
+    const BeamModel model(beams, c.parts);
     std::vector<double> values;
     ShapeResult result;
     for (std::size_t i = 0; i < moduli.size(); ++i) {
@@ -234,8 +243,8 @@ class Predictions {
     result.nodes = model.node_count();
     if (law_ == Law::kCorotational)
       result.incremental_deviation = incremental_deviation(model.problem(values), positions);
-    result.scores = compare_beam(beams_, c, model, positions, is_fitted);
-    result.outlines = outlines_of(beams_, c, model, positions);
+    result.scores = compare_beam(beams, c, model, positions, is_fitted);
+    result.outlines = outlines_of(beams, c, model, positions);
     if (c.is_interface_assumed)
       result.notes.push_back(
           "no interface_rest_x_mm: the materials are taken to meet in the "
@@ -243,10 +252,10 @@ class Predictions {
     return result;
   }
 
-  const HangingBeams& beams_;
+  std::vector<std::pair<const HangingBeams*, const BeamCase*>> all_;
   const std::map<std::string, double>& given_;
   Law law_;
-  std::map<std::string, DropFit> fits_;  // by case
+  std::map<std::string, DropFit> fits_;  // by recording
 };
 
 }  // namespace
@@ -268,11 +277,11 @@ std::vector<ShapeScore> compare_beam(const HangingBeams& beams, const BeamCase& 
   return scores;
 }
 
-std::vector<ShapeResult> score_hanging_beams(const HangingBeams& beams,
+std::vector<ShapeResult> score_hanging_beams(const std::vector<HangingBeams>& recordings,
                                              const std::map<std::string, double>& given) {
   std::vector<ShapeResult> results;
   for (const Law law : {Law::kCorotational, Law::kHyperelastic})
-    for (ShapeResult& result : Predictions(beams, given, law).all())
+    for (ShapeResult& result : Predictions(recordings, given, law).all())
       results.push_back(std::move(result));
   return results;
 }

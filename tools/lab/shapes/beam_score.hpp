@@ -20,7 +20,7 @@ std::vector<ShapeScore> compare_beam(const HangingBeams& beams, const BeamCase& 
 /// from their moduli, too. A beam of two materials is predicted from the moduli of beams of each.
 /// `given`: moduli (Pa) by material that replace a fit. Each case is repeated with the hyperelastic
 /// model, unless it has two materials.
-std::vector<ShapeResult> score_hanging_beams(const HangingBeams& beams,
+std::vector<ShapeResult> score_hanging_beams(const std::vector<HangingBeams>& recordings,
                                              const std::map<std::string, double>& given);
 
 }  // namespace palpate::shapes

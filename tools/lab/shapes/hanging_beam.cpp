@@ -133,8 +133,8 @@ BeamCase read_case(const Node& c, const Node& intrinsic, const std::string& name
 
 }  // namespace
 
-HangingBeams read_hanging_beams(const fs::path& file) {
-  const Node root = Node::load_file(file.string());
+HangingBeams read_hanging_beams(const fs::path& file, const std::vector<std::string>& overrides) {
+  const Node root = Node::load_file(file.string(), overrides);
   const Node geometry = root.child("geometry_mm");
   HangingBeams beams;
   beams.bar = read_box(geometry, "bar", "bar_rest_x");

@@ -52,7 +52,9 @@ struct HangingBeams {
 /// CASE_lower_edge.csv and CASE_silhouette_px.csv, or the files that the case names by `corners`,
 /// `lower_edge` and `silhouette`. A case's `material` is a name, or two names separated by a plus
 /// sign, that at the clamp first; `interface_rest_x_mm` is their border. Other keys are ignored.
+/// `overrides` as of config::Node::load_file().
 /// Throws config::Error with file, line, key and allowed range, or recordings::CsvError.
-HangingBeams read_hanging_beams(const std::filesystem::path& file);
+HangingBeams read_hanging_beams(const std::filesystem::path& file,
+                                const std::vector<std::string>& overrides = {});
 
 }  // namespace palpate::shapes

@@ -43,7 +43,7 @@ nlohmann::json to_json(const PushedSponge& sponge) {
 
 struct ShapesCommand::Options {
   std::string data, json, output;
-  std::vector<std::string> moduli;
+  std::vector<std::string> moduli, overrides;
 
   std::map<std::string, double> given() const {
     std::map<std::string, double> values;
@@ -93,8 +93,10 @@ struct ShapesCommand::Options {
       add(score_sagging_cylinder(cylinder));
       progress.finish(true);
     }
+    std::vector<HangingBeams> beams;
     for (const std::filesystem::path& file : files.beams)
-      add(score_hanging_beams(read_hanging_beams(file), values));
+      beams.push_back(read_hanging_beams(file, overrides));
+    add(score_hanging_beams(beams, values));
     std::vector<PushedSponge> sponges;
     for (const std::filesystem::path& file : files.sponges)
       sponges.push_back(read_pushed_sponge(file));
@@ -127,6 +129,11 @@ ShapesCommand::ShapesCommand(CLI::App& app) : options_(std::make_unique<Options>
   command_
       ->add_option("--modulus", options_->moduli,
                    "NAME=KPA: Young's modulus of a beam's material, instead of a fit (repeatable)")
+      ->allow_extra_args(false);
+  command_
+      ->add_option("--set", options_->overrides,
+                   "key of the beams' YAML file to override, such as "
+                   "cases.NAME.material=FIRST+SECOND (repeatable)")
       ->allow_extra_args(false);
 }
 

@@ -114,7 +114,7 @@ TEST(HangingBeam, CompositeHangsBetweenBeamsOfItsMaterials) {
 
 TEST(HangingBeam, CompositeWithoutModuliIsNotPredicted) {
   const HangingBeams beams = read(with(kBeam, "material: Soft", "material: Soft + Hard"));
-  const std::vector<ShapeResult> results = score_hanging_beams(beams, {{"Soft", 2e5}});
+  const std::vector<ShapeResult> results = score_hanging_beams({beams}, {{"Soft", 2e5}});
   ASSERT_EQ(results.size(), 1u);
   EXPECT_TRUE(results[0].scores.empty());
   EXPECT_THAT(results[0].notes.at(0), HasSubstr("Hard"));
