@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/math/constants.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
 
@@ -15,8 +16,8 @@ using Eigen::Matrix2Xd;
 using Eigen::Matrix3Xd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using math::kDegree;
 
-constexpr double kMm = 1e-3, kDegree = M_PI / 180;
 constexpr double kRotationGoal = 2;                   // degrees
 constexpr double kEdgeGoal = 2, kUnsureEdgeGoal = 4;  // mm; the latter for edges of 3 mm
 constexpr int kSamples = 100;                         // of a line

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "core/math/constants.hpp"
 #include "rt/config/node.hpp"
+#include "tools/lab/shapes/shape_score.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::shapes {
@@ -13,9 +15,8 @@ using config::Node;
 using config::Range;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using math::kDegree;
 
-constexpr double kMm = 1e-3;
-constexpr double kDegree = M_PI / 180;
 constexpr Range kPlace{-1e6, 1e6};  // mm
 constexpr Range kSize{1e-3, 1e6};   // mm
 

@@ -16,7 +16,6 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kMm = 1e-3;
 constexpr double kGoal = 4;       // mm, of the end face's centre
 constexpr int kAxisSamples = 60;  // of the drawn axis
 

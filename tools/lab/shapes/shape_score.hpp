@@ -9,6 +9,8 @@
 
 namespace palpate::shapes {
 
+inline constexpr double kMm = 1e-3;  // m, unit of recordings and scores
+
 /// Difference of one predicted quantity from the recorded one.
 struct ShapeScore {
   std::string quantity;
