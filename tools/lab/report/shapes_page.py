@@ -1,7 +1,7 @@
 """The page of palpate-evaluate shapes: measured and predicted outlines, and the scores of each prediction."""
 from page import Markup, curve, document, draw, element, figure, table
 
-ABOUT = """Real objects, clamped and at rest under their weight, beside the shape that the model predicts.
+ABOUT = """Real objects, clamped and at rest under their weight, compared with the shape that the model predicts.
 A beam's Young's modulus is fitted to the drop of its end block alone, or on another beam; nothing is
 fitted to the cylinder. Errors are predicted minus measured, or distances; sd is the standard deviation
 that the recording states."""
