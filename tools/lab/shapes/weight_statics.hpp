@@ -6,8 +6,10 @@
 
 namespace palpate::shapes {
 
-/// Poisson's ratio of the recorded elastomers, which are taken as incompressible.
-inline constexpr double kRubberPoisson = 0.499;
+/// Poisson's ratio of the predictions. The recorded elastomers are nearly incompressible, but the
+/// bending of a slender body depends on Young's modulus alone, and near 0.5 the elements lock: a
+/// stiff cylinder of 475 nodes sags 6.5 % less than the theory of beams says, with 0.499 12.6 %.
+inline constexpr double kRubberPoisson = 0.45;
 
 enum class Law {
   kCorotational,  // the model that palpated runs
