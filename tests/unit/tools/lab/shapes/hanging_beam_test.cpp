@@ -22,7 +22,7 @@ HangingBeams read(const std::string& text, const std::string& corners = kCorners
   return read_hanging_beams(folder.write("any.yaml", text));
 }
 
-std::string message(const std::string& text) {
+std::string beam_error(const std::string& text) {
   try {
     read(text);
   } catch (const config::Error& error) {
@@ -65,13 +65,13 @@ TEST(HangingBeam, TwoMaterialsMeetWhereTheCaseSays) {
 }
 
 TEST(HangingBeam, NamesWhatIsWrong) {
-  EXPECT_THAT(message(with(kBeam, "    block_rotation_deg: 0\n", "")),
+  EXPECT_THAT(beam_error(with(kBeam, "    block_rotation_deg: 0\n", "")),
               HasSubstr("cases.first.block_rotation_deg"));
-  EXPECT_THAT(message(with(kBeam, "block_rotation_deg: 0", "block_rotation_deg: 400")),
+  EXPECT_THAT(beam_error(with(kBeam, "block_rotation_deg: 0", "block_rotation_deg: 400")),
               HasSubstr("allowed"));
-  EXPECT_THAT(message(with(kBeam, "[0, 0, -1]]", "[0, 0, 1]]")), HasSubstr("camera_R"));
-  EXPECT_THAT(message(with(kBeam, "bar: [140", "bar: [130")), HasSubstr("bar_rest_x"));
-  EXPECT_THAT(message(with(kBeam, "material: Soft", "material: Soft +")), HasSubstr("material"));
+  EXPECT_THAT(beam_error(with(kBeam, "[0, 0, -1]]", "[0, 0, 1]]")), HasSubstr("camera_R"));
+  EXPECT_THAT(beam_error(with(kBeam, "bar: [140", "bar: [130")), HasSubstr("bar_rest_x"));
+  EXPECT_THAT(beam_error(with(kBeam, "material: Soft", "material: Soft +")), HasSubstr("material"));
   EXPECT_THROW(read(kBeam, "corner,rest_x_mm\nA,1\n"), recordings::CsvError);
 }
 

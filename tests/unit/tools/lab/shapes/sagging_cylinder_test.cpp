@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string message(const std::string& text) {
+std::string cylinder_error(const std::string& text) {
   const ShapeFolder folder;
   try {
     read_sagging_cylinder(folder.write("c.yaml", text));
@@ -35,10 +35,11 @@ TEST(SaggingCylinder, ReadsAnyNameAndNamesWhatIsWrong) {
   EXPECT_DOUBLE_EQ(c.radius, 0.005);
   EXPECT_DOUBLE_EQ(c.marker.y(), -0.002);
   EXPECT_DOUBLE_EQ(c.marker_deviation, 0.003);
-  EXPECT_THAT(message(with(kCylinder, "radius_mm: 5.0\n", "")), HasSubstr("radius_mm"));
-  EXPECT_THAT(message(with(kCylinder, "radius_mm: 5.0", "radius_mm: -5")), HasSubstr("allowed"));
-  EXPECT_THAT(message(with(kCylinder, "axis: z", "axis: w")), HasSubstr("axis"));
-  EXPECT_THAT(message(with(kCylinder, "young_modulus_Pa: 1.0e7\n", "")),
+  EXPECT_THAT(cylinder_error(with(kCylinder, "radius_mm: 5.0\n", "")), HasSubstr("radius_mm"));
+  EXPECT_THAT(cylinder_error(with(kCylinder, "radius_mm: 5.0", "radius_mm: -5")),
+              HasSubstr("allowed"));
+  EXPECT_THAT(cylinder_error(with(kCylinder, "axis: z", "axis: w")), HasSubstr("axis"));
+  EXPECT_THAT(cylinder_error(with(kCylinder, "young_modulus_Pa: 1.0e7\n", "")),
               HasSubstr("young_modulus_Pa"));
 }
 
