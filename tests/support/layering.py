@@ -73,6 +73,7 @@ ALLOWED = {
     "tools/lab/runs": "",
     "tools/lab/scores": "tools/lab/runs",
     "tools/lab/cases": "",
+    "tools/lab/shapes": "tools/lab/cases",
     "tools/lab/uncertainty": "tools/lab/runs",
     "tools/lab/studies": "tools/lab/baselines tools/lab/runs tools/lab/scores tools/lab/uncertainty",
     "tools/lab/sensor_models": "tools/lab/runs tools/lab/scores tools/lab/studies",
@@ -82,7 +83,7 @@ ALLOWED = {
     "tools/lab/fit_check": "",
     # palpate-evaluate's main, which includes every command.
     "tools/lab": "tools/lab/cases tools/lab/demo tools/lab/endurance tools/lab/faults tools/lab/scores "
-                 "tools/lab/sensor_models tools/lab/studies tools/lab/uncertainty",
+                 "tools/lab/sensor_models tools/lab/shapes tools/lab/studies tools/lab/uncertainty",
 }
 # top folder -> outside headers (regular expressions) that it may not include
 FORBIDDEN_OUTSIDE = {

@@ -4,7 +4,8 @@
   tools/common/plots.py plot.json     # {"file": "error.png", "panels": [...]}
 
 palpate's programs start it. A panel has title, x and y (labels with units), curves (name, x, y, dashed) and optionally
-logarithmic (of the y axis), logarithmic_x and limits (of the y axis). A curve is interrupted where its y is null.
+logarithmic (of the y axis), logarithmic_x, limits (of the y axis) and equal (units of both axes of equal length). A
+curve is interrupted where its y is null; with `points` it is drawn as separate points.
 """
 import argparse
 import importlib.util
@@ -30,9 +31,9 @@ def missing(*modules):
     return f"missing Python package: {', '.join(packages)} (apt-get install {' '.join(packages)})" if packages else ""
 
 
-def curve(name, x, y, colour=None, dashed=False):
+def curve(name, x, y, colour=None, dashed=False, points=False):
     """A curve without a number of its colour has one after the other."""
-    return {"name": name, "x": x, "y": y, "colour": colour, "dashed": dashed}
+    return {"name": name, "x": x, "y": y, "colour": colour, "dashed": dashed, "points": points}
 
 
 def draw_panel(axes, panel, ticker):
@@ -40,10 +41,11 @@ def draw_panel(axes, panel, ticker):
     axes.grid(True, color="#ddd")
     for i, line in enumerate(panel["curves"]):
         at = i if line.get("colour") is None else line["colour"]
+        style = "--" if line["dashed"] else DASHES[at // len(COLOURS) % len(DASHES)]
         axes.plot(line["x"], line["y"], label=line["name"].lstrip("_"),
                   color=COLOURS[at % len(COLOURS)],
-                  linestyle="--" if line["dashed"] else DASHES[at // len(COLOURS) % len(DASHES)],
-                  marker="." if len(line["x"]) <= FEW_POINTS else None)
+                  linestyle="none" if line.get("points") else style,
+                  marker="x" if line.get("points") else "." if len(line["x"]) <= FEW_POINTS else None)
     for axis, scale, is_logarithmic in ((axes.xaxis, axes.set_xscale, panel.get("logarithmic_x")),
                                         (axes.yaxis, axes.set_yscale, panel.get("logarithmic"))):
         if is_logarithmic:
@@ -52,6 +54,8 @@ def draw_panel(axes, panel, ticker):
             axis.set_minor_formatter(ticker.LogFormatter())
     if panel.get("limits"):
         axes.set_ylim(*panel["limits"])
+    if panel.get("equal"):
+        axes.set_aspect("equal", adjustable="datalim")
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8, frameon=False)
 
 

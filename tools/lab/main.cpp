@@ -21,6 +21,7 @@
 #include "tools/lab/sensor_models/payload.hpp"
 #include "tools/lab/sensor_models/sensors.hpp"
 #include "tools/lab/sensor_models/tactile.hpp"
+#include "tools/lab/shapes/shapes_command.hpp"
 #include "tools/lab/studies/discrepancies.hpp"
 #include "tools/lab/studies/sensing_training.hpp"
 #include "tools/lab/studies/study.hpp"
@@ -35,6 +36,7 @@ using namespace palpate::endurance;
 using namespace palpate::faults;
 using namespace palpate::scores;
 using namespace palpate::sensor_models;
+using namespace palpate::shapes;
 using namespace palpate::studies;
 using namespace palpate::uncertainty;
 
@@ -190,6 +192,7 @@ int run(CLI::App& app, int argc, char** argv) {
   FaultsCommand faults(app);
 
   CaseCommands cases(app);
+  ShapesCommand shapes(app);
 
   if (const auto code =
           palpate::config::parse(app, argc, argv,
@@ -201,6 +204,7 @@ int run(CLI::App& app, int argc, char** argv) {
     return *code;
   if (data.empty()) data = default_data(root);
   if (const auto code = cases.run(data, std::cout)) return *code;
+  if (const auto code = shapes.run(default_data(root), std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
   for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})

@@ -33,6 +33,7 @@ NOT_RUN = {
     "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",
     "palpate-evaluate discrepancies --worlds 200": "takes an hour; the line before it is run",
     "palpate-evaluate discrepancies --kind none": "takes hours; see above",
+    "palpate-evaluate shapes": "exits with 1, as two of its goals are missed; unit.tools_lab_shapes runs it",
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that keep running, and their output when ready.
