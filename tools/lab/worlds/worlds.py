@@ -13,7 +13,7 @@ from sensors import GRAVITY_W
 
 WORLDS = ("drake", "mujoco")
 # Cells along the longest side, s per step, s of damping proportional to stiffness.
-_DEFAULTS = {"drake": (50, 0.01, 0.2), "mujoco": (20, 0.002, 0.02)}
+_DEFAULTS = {"drake": (40, 0.01, 0.2), "mujoco": (20, 0.002, 0.02)}
 
 
 def default_cells(size: Floats, longest: int) -> list[int]:
