@@ -4,6 +4,7 @@ does.
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any, Optional
 
@@ -27,7 +28,7 @@ class CommandReceiver:
         self._last: dict[str, tuple[int, int]] = {}
         self.accepted = self.rejected = 0
         for channel in self._counters:
-            bus.subscribe(channel, lambda message, channel=channel: self._take(channel, message))
+            bus.subscribe(channel, partial(self._take, channel))
 
     def _take(self, channel: str, message: Any) -> None:
         good = self._is_fresh(channel, message) and self._apply(channel, message)

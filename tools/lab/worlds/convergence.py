@@ -39,10 +39,15 @@ class Difference:
 
 
 def solve(
-    scene: Scene, X_OG: Pose, cells: Sequence[int], make: Callable[[], Plant], points: Floats,
+    scene: Scene,
+    X_OG: Pose,
+    cells: Sequence[int],
+    make: Callable[[], Plant],
+    points: Floats,
     progress: Callable[[str], None],
 ) -> Solution:
-    """`X_OG`: first pose of the grasp; `make` builds the plant; `points`: (p, 3) at rest, m, in O."""
+    """`X_OG`: first pose of the grasp; `make` builds the plant; `points`: (p, 3), m, in O at
+    rest."""
     plant = make()
     mesh = plant.mesh
     places = PointsInMesh(

@@ -58,9 +58,7 @@ class DrakePlant:
                 raise ValueError(f"object.{name}: no node of Drake's mesh lies in it")
         rigid = is_held[shape.elements].all(axis=1)
         fixed = is_clamped[shape.elements].all(axis=1)
-        self._soft, soft_elements = np.unique(
-            shape.elements[~(rigid | fixed)], return_inverse=True
-        )
+        self._soft, soft_elements = np.unique(shape.elements[~(rigid | fixed)], return_inverse=True)
         soft_elements = soft_elements.reshape(-1, 4)
         self._X_OG = X_OG
         self._held_in_hand = X_OG.inverse().of(shape.nodes[self.held])
@@ -79,9 +77,7 @@ class DrakePlant:
         hand_box = _shape(body.grasp_box)
         X_GO = _transform(X_OG.inverse())
         world = self._plant.world_body()
-        self._model.AddFixedConstraint(
-            self._body, world, RigidTransform(), *_shape(body.clamp_box)
-        )
+        self._model.AddFixedConstraint(self._body, world, RigidTransform(), *_shape(body.clamp_box))
         self._model.AddFixedConstraint(
             self._body, self._hand, X_GO, hand_box[0], X_GO @ hand_box[1]
         )
@@ -99,6 +95,10 @@ class DrakePlant:
     @property
     def hand_wrench(self) -> Floats:
         return self._wrench
+
+    @property
+    def unconverged_steps(self) -> int:
+        return 0  # Drake raises an exception instead
 
     @property
     def remark(self) -> str:
@@ -174,7 +174,7 @@ def _shape(box: Any) -> tuple[Box, RigidTransform]:
 def _nodal_volumes(shape: ObjectMesh, elements: Ints) -> Floats:
     """A quarter of each of these elements for each of its nodes, m^3."""
     quarter = np.repeat(volumes(shape.nodes, elements) / 4, 4)
-    return np.bincount(elements.ravel(), quarter, minlength=len(shape.nodes))
+    return np.asarray(np.bincount(elements.ravel(), quarter, len(shape.nodes)), float)
 
 
 def _write_vtk(file: Path, nodes: Floats, elements: Ints) -> None:

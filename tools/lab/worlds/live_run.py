@@ -213,4 +213,6 @@ def score(plan: RunPlan, files: RunFiles) -> dict[str, Any]:
 def _call(words: Sequence[object]) -> None:
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
     if done.returncode != 0:
-        raise RunFailed(f"{words[0]} ended with code {done.returncode}:\n{done.stdout}{done.stderr}")
+        raise RunFailed(
+            f"{words[0]} ended with code {done.returncode}:\n{done.stdout}{done.stderr}"
+        )

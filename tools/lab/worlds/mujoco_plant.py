@@ -17,6 +17,9 @@ from scene import ObjectOptions
 
 _HEAVY = 100.0  # kg, against fractions of a gram
 
+# MuJoCo counts its warnings, too; without this it also writes them to a file where it runs.
+mujoco.set_mju_user_warning(lambda text: None)
+
 
 class MujocoPlant:
     """A box, or the part of a grid of cells that a mesh of tetrahedra fills."""
@@ -39,7 +42,9 @@ class MujocoPlant:
         self._model = _model(body, shape, cells, mass, gravity_O, period, damping)
         self._data = mujoco.MjData(self._model)
         bodies = self._model.flex_nodebodyid.copy()
-        borders = [lower[i] + (upper - lower)[i] * np.arange(n + 1) / n for i, n in enumerate(cells)]
+        borders = [
+            lower[i] + (upper - lower)[i] * np.arange(n + 1) / n for i, n in enumerate(cells)
+        ]
         # The middle node belongs to its cell alone; nodes of empty cells are fixed to the world.
         grid = bodies.reshape([2 * n + 1 for n in cells])
         self.mesh, used = hexahedra(borders, grid[1::2, 1::2, 1::2] > 0)
@@ -117,8 +122,7 @@ def _model(
     damping: float,
 ) -> mujoco.MjModel:
     """The flex alone, with a body of three slide joints for each node of the grid."""
-    return mujoco.MjModel.from_xml_string(
-        f"""<mujoco>
+    return mujoco.MjModel.from_xml_string(f"""<mujoco>
   <option gravity="{_words(gravity_O)}" integrator="discrete" timestep="{period}"/>
   <size memory="2G"/>
   <worldbody>
@@ -129,5 +133,4 @@ def _model(
       <elasticity young="{body.young_modulus}" poisson="{body.poisson_ratio}" damping="{damping}"/>
     </flexcomp>
   </worldbody>
-</mujoco>"""
-    )
+</mujoco>""")

@@ -13,7 +13,8 @@ from rigid import Floats
 
 Ints = NDArray[np.int64]
 
-# A cube of corners i + 2 j + 4 k in five tetrahedra, and its mirror image, which alternates with it.
+# A cube of corners i + 2 j + 4 k in five tetrahedra, and its mirror image, which alternates
+# with it.
 _FIVE = np.array([[0, 1, 2, 4], [3, 2, 1, 7], [5, 4, 7, 1], [6, 7, 4, 2], [1, 2, 4, 7]])
 _FIVE_MIRRORED = np.array([[1, 0, 5, 3], [2, 3, 6, 0], [4, 5, 0, 6], [7, 6, 3, 5], [0, 5, 3, 6]])
 
@@ -29,9 +30,7 @@ class ObjectMesh:
     @property
     def kind(self) -> int:
         linear = self.elements.shape[1] == 4
-        kind: int = (
-            shape_mesh_t.LINEAR_TETRAHEDRA if linear else shape_mesh_t.QUADRATIC_HEXAHEDRA
-        )
+        kind: int = shape_mesh_t.LINEAR_TETRAHEDRA if linear else shape_mesh_t.QUADRATIC_HEXAHEDRA
         return kind
 
 

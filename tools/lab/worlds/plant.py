@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from object_mesh import ObjectMesh
+from object_mesh import Ints, ObjectMesh
 from rigid import Floats, Pose
 
 
@@ -14,8 +14,8 @@ class Plant(Protocol):
     """An object at rest in O until the first step. Held nodes follow the hand rigidly."""
 
     mesh: ObjectMesh  # to which positions belong
-    clamped: Floats  # numbers of the clamped nodes of the mesh
-    held: Floats  # numbers of the held ones
+    clamped: Ints  # numbers of the clamped nodes of the mesh
+    held: Ints  # numbers of the held ones
     period: float  # s, of a step
 
     def step(self, X_OG: Pose) -> None:
@@ -32,3 +32,7 @@ class Plant(Protocol):
     @property
     def remark(self) -> str:
         """Solver, elements and nodes, in one line."""
+
+    @property
+    def unconverged_steps(self) -> int:
+        """Steps in which the solver reported that it ended early."""

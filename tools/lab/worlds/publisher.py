@@ -1,4 +1,6 @@
-"""The true shape, mesh and contact, as palpate-sim publishes them (sim/scenes/truth_publisher.cpp)."""
+"""The true shape, mesh and contact, as palpate-sim publishes them
+(sim/scenes/truth_publisher.cpp).
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,9 @@ class TruthPublisher:
         parts = []
         for name, (values, group) in fields.items():
             size = _CHUNK_VALUES // group * group
-            parts += [(name, first, values[first : first + size]) for first in range(0, len(values), size)]
+            parts += [
+                (name, first, values[first : first + size]) for first in range(0, len(values), size)
+            ]
         for chunk, (name, first, values) in enumerate(parts):
             message = shape_mesh_t()
             message.utime, message.mesh_hash, message.element_kind = utime, self._hash, mesh.kind

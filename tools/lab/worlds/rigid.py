@@ -20,9 +20,7 @@ class Pose:
     position: Floats = field(default_factory=lambda: np.zeros(3))
 
     def __matmul__(self, other: "Pose") -> "Pose":
-        return Pose(
-            self.rotation @ other.rotation, self.rotation @ other.position + self.position
-        )
+        return Pose(self.rotation @ other.rotation, self.rotation @ other.position + self.position)
 
     def inverse(self) -> "Pose":
         return Pose(self.rotation.T, -self.rotation.T @ self.position)

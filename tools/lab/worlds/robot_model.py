@@ -125,9 +125,7 @@ class RobotModel:
             centres.append(place.position)
             keys = ("ixx", "ixy", "ixz", "ixy", "iyy", "iyz", "ixz", "iyz", "izz")
             values = [0.0 if moments is None else float(moments.get(key, "0")) for key in keys]
-            inertias.append(
-                place.rotation @ np.reshape(values, (3, 3)) @ place.rotation.T
-            )
+            inertias.append(place.rotation @ np.reshape(values, (3, 3)) @ place.rotation.T)
         total = sum(masses)
         if total <= 0:
             return Payload(0.0, np.zeros(3), np.zeros((3, 3)))

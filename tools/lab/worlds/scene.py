@@ -263,7 +263,8 @@ def read_scene(file: Path, overrides: list[str]) -> Scene:
     frames = robot.section("frames", optional=True)
     hand = robot.section("initial_hand", optional=True)
     sensors = _load(SENSORS)
-    start_delay, legs = 0.0, ()
+    start_delay: float = 0.0
+    legs: tuple[Leg, ...] = ()
     if root.has("motion"):
         start_delay, legs = _read_legs(root.section("motion"), file)
     scene = Scene(
