@@ -21,6 +21,7 @@ from palpate.channel_table import CHANNELS
 
 SOURCE = Path(__file__).resolve().parents[3]
 _PATIENCE = 60.0  # s
+_LONGEST = 24 * 3600.0  # s, until a world takes its first tick, at most
 
 
 class RunFailed(RuntimeError):
@@ -149,13 +150,13 @@ def run_live(plan: RunPlan, folder: Path) -> RunFiles:
 
 
 def _start(control: str, housekeeping: str) -> None:
-    with palpate.Daemon(control, housekeeping, timeout=_PATIENCE) as daemon:
+    with palpate.Daemon(control, housekeeping, timeout=_LONGEST) as daemon:
         daemon.start()
 
 
 def _steer(control: str, housekeeping: str, target: Target) -> None:
     """Repeats the target while this process lives, as targets expire without."""
-    with palpate.Daemon(control, housekeeping, timeout=_PATIENCE) as daemon:
+    with palpate.Daemon(control, housekeeping, timeout=_LONGEST) as daemon:
         daemon.target("point", target.place, points=[target.rest_point])
 
 
