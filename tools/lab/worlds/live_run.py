@@ -30,7 +30,7 @@ class RunFailed(RuntimeError):
 
 @dataclass(frozen=True)
 class Target:
-    """Of a point: where it is at rest and where it shall be, m, in O."""
+    """Of a point: where it is at rest and its target, m, in O."""
 
     rest_point: tuple[float, float, float]
     place: tuple[float, float, float]

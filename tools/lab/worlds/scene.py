@@ -201,7 +201,7 @@ class _Reader:
         return Pose(Rotation.from_euler("xyz", angles, degrees=True).as_matrix(), position)
 
     def end(self) -> None:
-        """Raises SceneError if the mapping has keys that nobody has read."""
+        """Raises SceneError if the mapping has keys that have not been read."""
         for key in self._entries:
             path = f"{self._path}.{key}" if self._path else key
             if key not in self._used and path not in _WITHOUT_EFFECT:
