@@ -28,10 +28,11 @@ class LockStep:
         self._tick.tick, self._tick.period_us, self._tick.utime = tick, period_us, utime
         self._control.publish("SIM_TICK", self._tick)
 
-    def wait(self) -> None:
-        """Raises TimeoutError if no daemon answers."""
+    def wait(self, stop: list[bool]) -> None:
+        """Until the answer, or until `stop` is not empty. Raises TimeoutError if no daemon
+        answers."""
         end = time.monotonic() + PATIENCE
-        while self._done < self._tick.tick:
+        while self._done < self._tick.tick and not stop:
             if not self._control.handle(_REPEAT) and self._done < self._tick.tick:
                 if time.monotonic() > end:
                     raise TimeoutError(

@@ -44,6 +44,7 @@ class Simulation:
         self._readings: list[Reading] = []
         self._wrench: Floats = np.zeros(6)
         self._settled: tuple[Floats, Pose, int] = (plant.positions, arm.grasp_in_object(), 0)
+        self._published = 0  # tick of the last true shape
         self.start_utime = 0
         self.tick = 0
         self.plant_steps = 0
@@ -73,10 +74,10 @@ class Simulation:
 
     def publish_truth(self) -> None:
         positions, X_OG, tick = self._settled
-        if tick == self.tick or self._pool is not None:
-            if self.tick % _TRUTH_TICKS == 0:
-                utime = self.start_utime + PERIOD_US * tick
-                self._truth.publish(positions, self._wrench, X_OG, utime)
+        if self.tick % _TRUTH_TICKS == 0 and tick > self._published:
+            self._published = tick
+            utime = self.start_utime + PERIOD_US * tick
+            self._truth.publish(positions, self._wrench, X_OG, utime)
         if self.tick % _MESH_TICKS == 1:
             self._truth.publish_mesh(self.utime)
 
