@@ -1,6 +1,7 @@
 """Names used in pages of the documentation, and those that exist: programs with their
 commands and options, configuration keys, files, identifiers."""
 import functools
+import os
 import pathlib
 import re
 import shlex
@@ -175,7 +176,7 @@ class Page:
             self.span(line, code)
         self.links()
         for word in set(re.findall(r"(?<![\w/.-])(palpated|palpate-[a-z][a-z-]*[a-z])(?![\w-]|\.\w)", text)):
-            self.need(1, word, self.is_program(word) or word in tree.packages, "is no program")
+            self.need(1, word, self.is_program(word) or self.is_script(word) or word in tree.packages, "is no program")
 
     def need(self, line, what, exists, complaint):
         self.checked += 1
@@ -184,6 +185,10 @@ class Page:
 
     def is_program(self, name):
         return (self.tree.programs / name).is_file()
+
+    def is_script(self, name):
+        """Whether it is run from the sources."""
+        return any(path.name == name and os.access(path, os.X_OK) for path in self.tree.files)
 
     def shell(self, start, lines, is_shell):
         commands, documents = without_documents(lines)
@@ -198,7 +203,7 @@ class Page:
     def command(self, line, words):
         first = re.sub(r"^\$\w+/", "", words[0])
         name = self.aliases.get(first, first.rsplit("/", 1)[-1])
-        if PROGRAM.match(name):
+        if PROGRAM.match(name) and not self.is_script(name):
             self.need(line, name, self.is_program(name), "is no program")
             if self.is_program(name):
                 self.program(line, name, words[1:])

@@ -28,6 +28,8 @@ NOT_RUN = {
     "tools/lab/report/report_baselines": "takes hours; process.published.studies runs it on a small plan",
     "tools/lab/report/tune_baselines": "takes hours; process.published.tuning runs it on a small plan",
     "tools/lab/report/run_shards": "takes hours; process.published.studies runs it on a small plan",
+    "tools/packaging/install-worlds": "downloads packages; install-dependencies has run it",
+    "build/worlds/bin/python tools/lab/worlds/": "takes minutes; process.worlds runs the programs for seconds",
     "sbatch": "needs a cluster; process.published.studies runs its script",
     "palpate-evaluate control": "takes hours; process.published.studies runs it on a small plan",
     "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",
