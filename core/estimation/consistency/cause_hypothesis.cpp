@@ -17,9 +17,11 @@ constexpr double kFollows = 1.5;
 constexpr double kSideways = 0.4;  // of a contact's force, relative to its normal component
 // What begins with the discrepancy may still grow in so many records.
 constexpr int kOnsetRecords = 5;
-/// Error of the response to a cause, which is linearised about a shape that is not the true one; of
-/// forces also because they act between the places, and over an area.
-constexpr double kResponseError = 0.05, kPlaceError = 0.15;
+/// Error of the response to a cause: it is linearised about a shape that is not the true one.
+constexpr double kResponseError = 0.05;
+/// Part of the wrench of a contact or weight that its place does not explain, because it acts
+/// between the places and over an area: changes relative to the measured changes of the wrenches.
+constexpr double kPlaceError = 0.15;
 
 /// Logarithm of the probability of a positive value, times 2, that is zero for an unknown sign.
 double log_positive(double mean, double variance) noexcept {
@@ -35,15 +37,17 @@ Eigen::Matrix3d pressing(const Eigen::Vector3d& inward, double force) noexcept {
 
 }  // namespace
 
+/// Number of states of a force at a place; those of what the place does not explain follow.
+int CauseHypothesis::own_forces() const noexcept { return cause_ == Cause::kContact ? 3 : 1; }
+
 int CauseHypothesis::size() const noexcept {
   if (!has_states_) return 0;
   switch (cause_) {
     case Cause::kUnknown:
       return 6 * knowledge_.states().grasps;
     case Cause::kContact:
-      return 3;
     case Cause::kWeight:
-      return 1;
+      return own_forces() + 6 * knowledge_.states().grasps;
     case Cause::kClampCompliance:
     case Cause::kUnevenStiffness:
       return 2;
@@ -67,10 +71,10 @@ void CauseHypothesis::begin(const WrenchKnowledge& before, const Eigen::Vector2d
     case Cause::kUnknown:
       break;  // zero before it begins
     case Cause::kContact:
-      prior.setConstant(kLeastForce);
+      prior.head<3>().setConstant(kLeastForce);
       break;
     case Cause::kWeight:
-      prior.setConstant(kWeightScale * force);
+      prior[0] = kWeightScale * force;
       break;
     case Cause::kClampCompliance:
       prior = kCompliance * own_compliance;
@@ -109,10 +113,12 @@ WrenchKnowledge::Appended CauseHypothesis::rows(int hand,
       own.middleCols<6>(6 * hand).setIdentity();
       break;
     case Cause::kContact:
-      own = responses.force[place_];
+      own.leftCols<3>() = responses.force[place_];
+      own.middleCols<6>(3 + 6 * hand).setIdentity();
       break;
     case Cause::kWeight:
-      own = responses.force[place_] * record.gravity;
+      own.col(0) = responses.force[place_] * record.gravity;
+      own.middleCols<6>(1 + 6 * hand).setIdentity();
       break;
     case Cause::kClampCompliance:
       own = responses.clamp_compliance;
@@ -153,13 +159,16 @@ void CauseHypothesis::diffuse(const CauseRecord& record) noexcept {
     const double share = std::min(1.0, change / std::max(difference, kLeastForce * kLeastForce));
     knowledge_.diffuse(0, WrenchKnowledge::Matrix((share * prior_).asDiagonal()));
   }
-  if (!has_states_ || cause_ != Cause::kUnknown) return;
+  const bool has_place = cause_ == Cause::kContact || cause_ == Cause::kWeight;
+  if (!has_states_ || (cause_ != Cause::kUnknown && !has_place)) return;
+  const double follows = has_place ? kPlaceError : kFollows;
+  const int first = has_place ? own_forces() : 0;
   for (int g = 0; g < knowledge_.states().grasps; ++g) {
     if (!record.hands[g].valid) continue;
     math::Vector6d change;
-    change << Eigen::Vector3d::Constant(kFollows * record.change[g].head<3>().norm()),
-        Eigen::Vector3d::Constant(kFollows * record.change[g].tail<3>().norm());
-    knowledge_.diffuse(6 * g, WrenchKnowledge::Matrix(change.cwiseAbs2().asDiagonal()));
+    change << Eigen::Vector3d::Constant(follows * record.change[g].head<3>().norm()),
+        Eigen::Vector3d::Constant(follows * record.change[g].tail<3>().norm());
+    knowledge_.diffuse(first + 6 * g, WrenchKnowledge::Matrix(change.cwiseAbs2().asDiagonal()));
   }
 }
 
@@ -172,10 +181,8 @@ double CauseHypothesis::take(const CauseRecord& record) noexcept {
     const HandRecord& hand = record.hands[g];
     if (!hand.valid) continue;
     math::Matrix6d R = hand.R;
-    const bool has_place = cause_ == Cause::kContact || cause_ == Cause::kWeight;
-    const double error = has_place ? kPlaceError : kResponseError;
-    const double force = error * record.difference[g].head<3>().norm(),
-                 torque = error * record.difference[g].tail<3>().norm();
+    const double force = kResponseError * record.difference[g].head<3>().norm(),
+                 torque = kResponseError * record.difference[g].tail<3>().norm();
     R.diagonal().head<3>().array() += force * force;
     R.diagonal().tail<3>().array() += torque * torque;
     R *= kMotionErrors / kRecordPeriod;
@@ -193,7 +200,9 @@ double CauseHypothesis::take(const CauseRecord& record) noexcept {
 
 math::Vector6d CauseHypothesis::value() const noexcept {
   math::Vector6d value = math::Vector6d::Zero();
-  const int first = knowledge_.states().count(), count = std::min(6, size());
+  const bool has_place = cause_ == Cause::kContact || cause_ == Cause::kWeight;
+  const int first = knowledge_.states().count(),
+            count = has_place ? own_forces() : std::min(6, size());
   value.head(count) = knowledge_.mean().segment(first, count);
   return value;
 }

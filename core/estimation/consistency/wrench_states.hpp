@@ -12,7 +12,7 @@ namespace palpate::estimation {
 /// that vary with its pose: of the grasp (m, rad, in G), and of the predicted wrench relative to
 /// its size (in O). Causes of a discrepancy may append states of their own.
 struct WrenchStates {
-  static constexpr int kMostAppended = 12;
+  static constexpr int kMostAppended = 15;
   static constexpr int kMost = 63 + kMostAppended;
 
   int grasps = 1;

@@ -221,8 +221,7 @@ TEST(DiscrepancyScore, RankingsAreThoseAfterTheReportAndAtTheEnd) {
   // An explanation that corrects the estimate has ended the discrepancy.
   for (discrepancy_t& message : run.discrepancies)
     if (message.utime > us(4.8)) message.adopted = discrepancy_t::CAUSE_SLIP;
-  EXPECT_EQ(scored(weight(1.9, 5), run).late_ranking,
-            std::vector<int>{discrepancy_t::CAUSE_SLIP});
+  EXPECT_EQ(scored(weight(1.9, 5), run).late_ranking, std::vector<int>{discrepancy_t::CAUSE_SLIP});
 }
 
 TEST(DiscrepancyScore, RecoveryIsComparedWithPoseAlone) {
