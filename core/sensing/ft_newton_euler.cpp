@@ -143,16 +143,20 @@ double FtNewtonEuler::moving_share(const RobotState& robot) noexcept {
 void FtNewtonEuler::smooth(const RobotState& robot, Eigen::Vector3d& acceleration,
                            Eigen::Vector3d& angular_acceleration) noexcept {
   constexpr double kLatest = 0.015;  // s
-  const double moving = moving_share(robot);
+  constexpr double kSudden = 2.5;    // change at once, relative to that of the latest mean
   math::Vector6d both;
   both << acceleration, angular_acceleration;
+  const double sudden = (acceleration - smoothed_.head<3>()).norm();
+  const double by_speed = moving_share(robot);
+  const double moving =
+      std::max(by_speed, std::clamp(sudden / (kSudden * options_.rest_acceleration) - 1, 0.0, 1.0));
   if (inertial_step_ > 0) {
     latest_ += share(inertial_step_, kLatest) * (both - latest_);
     rested_ += inertial_step_;
     smoothed_ +=
         share(inertial_step_, std::min(rested_, options_.rest_smoothing)) * (both - smoothed_);
     const double change = (latest_ - smoothed_).head<3>().norm();
-    if (moving > 0 || change > options_.rest_acceleration) {
+    if (by_speed > 0 || change > options_.rest_acceleration) {
       smoothed_ = latest_;
       rested_ = kLatest;
     }

@@ -19,9 +19,10 @@ constexpr double kSideways = 0.4;  // of a contact's force, relative to its norm
 constexpr int kOnsetRecords = 5;
 /// Error of the response to a cause: it is linearised about a shape that is not the true one.
 constexpr double kResponseError = 0.05;
-/// Part of the wrench of a contact or weight that its place does not explain, because it acts
-/// between the places and over an area: changes relative to the measured changes of the wrenches.
+/// Part of the wrench of a contact that its place does not explain, because it acts between the
+/// places and over an area: changes relative to the measured changes of the wrenches.
 constexpr double kPlaceError = 0.15;
+constexpr int kContactForce = 3;  // number of states of a contact's force
 
 /// Logarithm of the probability of a positive value, times 2, that is zero for an unknown sign.
 double log_positive(double mean, double variance) noexcept {
@@ -37,17 +38,15 @@ Eigen::Matrix3d pressing(const Eigen::Vector3d& inward, double force) noexcept {
 
 }  // namespace
 
-/// Number of states of a force at a place; those of what the place does not explain follow.
-int CauseHypothesis::own_forces() const noexcept { return cause_ == Cause::kContact ? 3 : 1; }
-
 int CauseHypothesis::size() const noexcept {
   if (!has_states_) return 0;
   switch (cause_) {
     case Cause::kUnknown:
       return 6 * knowledge_.states().grasps;
     case Cause::kContact:
+      return kContactForce + 6 * knowledge_.states().grasps;
     case Cause::kWeight:
-      return own_forces() + 6 * knowledge_.states().grasps;
+      return 1;
     case Cause::kClampCompliance:
     case Cause::kUnevenStiffness:
       return 2;
@@ -71,10 +70,10 @@ void CauseHypothesis::begin(const WrenchKnowledge& before, const Eigen::Vector2d
     case Cause::kUnknown:
       break;  // zero before it begins
     case Cause::kContact:
-      prior.head<3>().setConstant(kLeastForce);
+      prior.head<kContactForce>().setConstant(kLeastForce);
       break;
     case Cause::kWeight:
-      prior[0] = kWeightScale * force;
+      prior.setConstant(kWeightScale * force);
       break;
     case Cause::kClampCompliance:
       prior = kCompliance * own_compliance;
@@ -113,12 +112,11 @@ WrenchKnowledge::Appended CauseHypothesis::rows(int hand,
       own.middleCols<6>(6 * hand).setIdentity();
       break;
     case Cause::kContact:
-      own.leftCols<3>() = responses.force[place_];
-      own.middleCols<6>(3 + 6 * hand).setIdentity();
+      own.leftCols<kContactForce>() = responses.force[place_];
+      own.middleCols<6>(kContactForce + 6 * hand).setIdentity();
       break;
     case Cause::kWeight:
-      own.col(0) = responses.force[place_] * record.gravity;
-      own.middleCols<6>(1 + 6 * hand).setIdentity();
+      own = responses.force[place_] * record.gravity;
       break;
     case Cause::kClampCompliance:
       own = responses.clamp_compliance;
@@ -159,10 +157,10 @@ void CauseHypothesis::diffuse(const CauseRecord& record) noexcept {
     const double share = std::min(1.0, change / std::max(difference, kLeastForce * kLeastForce));
     knowledge_.diffuse(0, WrenchKnowledge::Matrix((share * prior_).asDiagonal()));
   }
-  const bool has_place = cause_ == Cause::kContact || cause_ == Cause::kWeight;
-  if (!has_states_ || (cause_ != Cause::kUnknown && !has_place)) return;
-  const double follows = has_place ? kPlaceError : kFollows;
-  const int first = has_place ? own_forces() : 0;
+  const bool is_contact = cause_ == Cause::kContact;
+  if (!has_states_ || (cause_ != Cause::kUnknown && !is_contact)) return;
+  const double follows = is_contact ? kPlaceError : kFollows;
+  const int first = is_contact ? kContactForce : 0;
   for (int g = 0; g < knowledge_.states().grasps; ++g) {
     if (!record.hands[g].valid) continue;
     math::Vector6d change;
@@ -200,9 +198,8 @@ double CauseHypothesis::take(const CauseRecord& record) noexcept {
 
 math::Vector6d CauseHypothesis::value() const noexcept {
   math::Vector6d value = math::Vector6d::Zero();
-  const bool has_place = cause_ == Cause::kContact || cause_ == Cause::kWeight;
   const int first = knowledge_.states().count(),
-            count = has_place ? own_forces() : std::min(6, size());
+            count = cause_ == Cause::kContact ? kContactForce : std::min(6, size());
   value.head(count) = knowledge_.mean().segment(first, count);
   return value;
 }

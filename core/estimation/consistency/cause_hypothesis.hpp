@@ -56,7 +56,6 @@ class CauseHypothesis {
 
  private:
   int size() const noexcept;  // number of states of its own
-  int own_forces() const noexcept;
   WrenchKnowledge::Appended rows(int hand, const CauseRecord& record) const noexcept;
   void diffuse(const CauseRecord& record) noexcept;
 

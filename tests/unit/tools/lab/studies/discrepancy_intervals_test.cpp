@@ -84,44 +84,5 @@ TEST(DiscrepancyIntervals, OfWrenchAndModulus) {
   EXPECT_EQ(score.log_young_deviation, 0.05);
 }
 
-TEST(DiscrepancyWrench, ErrorsAreMeansOverWindows) {
-  log::RunLog run = run_with_errors();
-  add_wrenches(run);
-  const WrenchError error =
-      wrench_error(run.truth_contacts, run.estimates, math::Pose::Identity(), 0, 2000000);
-  EXPECT_EQ(error.hands, 1);
-  EXPECT_EQ(error.windows, 40);
-  EXPECT_NEAR(error.mean_square[0][0], (0.01 + 0.16) / 2, 1e-9);
-  EXPECT_NEAR(error.largest[0][0], 0.4, 1e-9);
-  EXPECT_NEAR(error.largest_share[0][0], 0.4 / std::hypot(0.6, 0.1), 1e-9);
-  EXPECT_EQ(error.largest[0][1], 0);
-  EXPECT_EQ(to_json(error)["largest"].size(), 6u);
-  const WrenchError early =
-      wrench_error(run.truth_contacts, run.estimates, math::Pose::Identity(), 0, 900000);
-  EXPECT_NEAR(early.largest[0][0], 0.1, 1e-9);
-  // The plant's x is palpated's y.
-  const math::Pose turned =
-      math::make_pose(math::exp_rotation(Vector3d(0, 0, 90 * math::kDegree)), Vector3d::Zero());
-  const WrenchError other = wrench_error(run.truth_contacts, run.estimates, turned, 0, 900000);
-  EXPECT_NEAR(other.largest[0][1], 1, 1e-9);
-  EXPECT_NEAR(other.largest[0][0], 0.9, 1e-9);
-}
-
-TEST(DiscrepancyWrench, SignificanceIsTheLargestOfHandsAndComponents) {
-  discrepancy_t message{};
-  message.utime = 5;
-  message.grasp_count = 2;
-  for (auto& of_hand : message.deviation)
-    for (double& deviation : of_hand) deviation = 2;
-  message.difference[0][2] = 3;
-  message.difference[1][4] = -8;
-  EXPECT_EQ(largest_significance({message}, 0, 10), 4.0);
-  message.grasp_count = 1;
-  EXPECT_EQ(largest_significance({message}, 0, 10), 1.5);
-  message.deviation[0][2] = -1;
-  EXPECT_EQ(largest_significance({message}, 0, 10), 0.0);
-  EXPECT_FALSE(largest_significance({message}, 6, 10));
-}
-
 }  // namespace
 }  // namespace palpate::studies
