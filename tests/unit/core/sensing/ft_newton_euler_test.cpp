@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include <cmath>
+#include <vector>
 
 #include "core/math/random.hpp"
 #include "tests/unit/core/sensing/wrist_signals.hpp"
