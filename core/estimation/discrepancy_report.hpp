@@ -35,7 +35,8 @@ struct DiscrepancyReport {
   std::int64_t tests = 0;  // number of tests so far
   bool is_inconsistent = false;
   double time = 0;  // s since the discrepancy was reported
-  /// Most significant squared normalised difference per degree of freedom; negative: no test yet.
+  /// Most significant squared normalised difference per degree of freedom, that from the prior
+  /// relative to its lower threshold; negative: no test yet.
   double test = -1;
   double threshold = -1;
   int hand = 0, axis = 0;  // largest normalised component: force x, y, z, torque x, y, z, in O
