@@ -124,7 +124,7 @@ ContactSearch::Found ContactSearch::judge(int index, const elasticity::Deformati
     found.covariance = options_.deviation * options_.deviation * along +
                        sideways * sideways * (Eigen::Matrix3d::Identity() - along);
     found.cost = after + weight * force.squaredNorm() + improbability;
-    found.share = before > 0 ? 1 - after / before : 0;
+    found.share = before > 0 ? 1 - found.cost / before : 0;
     return found;
   };
   const double straight = std::max(0.0, inward.dot(b) / inward.dot(A * inward));

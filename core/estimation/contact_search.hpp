@@ -38,8 +38,8 @@ class ContactSearch {
     Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
     /// N^2, prior covariance of the force at that candidate
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    double share = 0;  // fraction of the squared normalised innovation that the force explains
     double cost = 0;   // remaining squared normalised innovation plus the prior cost of the force
+    double share = 0;  // fraction of the squared normalised innovation by which that is less
   };
 
   /// Creates candidates on those parts of the surface that are neither fixed nor held. Throws

@@ -15,8 +15,13 @@ constexpr double kAnywhere = 0.15, kWithHand = 0.3;
 
 }  // namespace
 
-NodeDeviations::NodeDeviations(int nodes, double own, const Options& options)
-    : own_(own), options_(options), deviations_(static_cast<std::size_t>(nodes), 0.0F) {
+NodeDeviations::NodeDeviations(int nodes, double own, const WrenchConsistency::Options& material,
+                               const Options& options)
+    : own_(own),
+      poisson_(material.poisson),
+      density_(material.density),
+      options_(options),
+      deviations_(static_cast<std::size_t>(nodes), 0.0F) {
   math::check_not_negative(own, "surface");
   math::check_not_negative(options.clamp, "clamp");
   math::check_not_negative(options.shape, "shape");
@@ -48,20 +53,25 @@ void NodeDeviations::widen(int hand, const math::Vector6d& wrench,
   if (!displacement_.allFinite()) displacement_.setZero();
 }
 
-/// m^2, of the place of the clamp and of the shape between clamp and hand.
-double NodeDeviations::variance_of_model(int node,
+/// m^2, of the place of the object, of its material, and of the shape between clamp and hand.
+double NodeDeviations::variance_of_model(int node, bool is_observed,
                                          const elasticity::DeformationModel& model) const noexcept {
   std::array<double, 2> follows{};  // share of a hand's displacement that the node makes
   for (std::size_t g = 0; g < model.body().grasps.size(); ++g)
     if (model.is_held(static_cast<int>(g)))
       follows[g] = std::min(
           1.0, model.sensitivity().dx_dxi[g].block<3, 3>(3 * node, 0).norm() / std::sqrt(3.0));
-  const double left = std::max(0.0, 1 - follows[0] - follows[1]);
   const double displacement =
       (model.positions().col(node) - model.body().mesh.nodes.col(node)).norm();
   const double between = 4 * follows[0] * (1 - follows[0]);
-  const double clamp = left * options_.clamp, shape = between * options_.shape * displacement;
-  return clamp * clamp + shape * shape;
+  const double shape = between * options_.shape * displacement;
+  const auto by_material = model.sensitivity().dx_dparameter.middleRows<3>(3 * node);
+  const double poisson = poisson_ * by_material.col(elasticity::Sensitivity::kPoisson).norm();
+  const double density = density_ * by_material.col(elasticity::Sensitivity::kLogDensity).norm();
+  // An observed shape corrects the hands' points, but not those of the clamp.
+  const double clamp =
+      options_.clamp * (is_observed ? std::max(0.0, 1 - follows[0] - follows[1]) : 1);
+  return clamp * clamp + shape * shape + (poisson * poisson + density * density) / 3;
 }
 
 void NodeDeviations::update(const FusedState& state,
@@ -82,7 +92,7 @@ void NodeDeviations::update(const FusedState& state,
     const Eigen::Vector3d with_hand =
         kWithHand * rows.middleCols<6>(filter.offset(hand_)) * displacement_;
     const double variance = JP.cwiseProduct(J).sum() / 3 + with_hand.squaredNorm() / 3 + own +
-                            variance_of_model(next_, model);
+                            variance_of_model(next_, filter.has_loads(), model);
     deviations_[static_cast<std::size_t>(next_)] =
         static_cast<float>(std::sqrt(std::max(0.0, variance)));
   }

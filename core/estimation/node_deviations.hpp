@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/estimation/fused_state.hpp"
+#include "core/estimation/consistency/wrench_consistency.hpp"
 
 namespace palpate::estimation {
 
@@ -12,16 +12,19 @@ namespace palpate::estimation {
 class NodeDeviations {
  public:
   struct Options {
-    /// m, of each axis of the clamp's position; decreases to zero where nodes follow the hands.
+    /// m, of each axis of the object's position in W. The hands hold other points of the object
+    /// than configured then, so that all nodes are displaced alike.
     double clamp = 1e-3;
     /// 1, error of a node's displacement halfway between clamp and hand relative to its size, by
     /// stiffness and dimensions that differ from the model's.
     double shape = 0.03;
   };
 
-  /// `own`: m, standard deviation of the local error of the mesh, independent of the state. Throws
-  /// std::invalid_argument if a number is negative.
-  NodeDeviations(int nodes, double own, const Options& options);
+  /// `own`: m, standard deviation of the local error of the mesh, independent of the state.
+  /// `material`: its Poisson's ratio and density. Throws std::invalid_argument if a number is
+  /// negative.
+  NodeDeviations(int nodes, double own, const WrenchConsistency::Options& material,
+                 const Options& options);
 
   void reset() noexcept;
   /// The wrench of a hand differs from its prediction by `wrench`, N and N m, at G in O. The hand
@@ -36,9 +39,11 @@ class NodeDeviations {
   const std::vector<float>& values() const noexcept { return deviations_; }
 
  private:
-  double variance_of_model(int node, const elasticity::DeformationModel& model) const noexcept;
+  double variance_of_model(int node, bool is_observed,
+                           const elasticity::DeformationModel& model) const noexcept;
 
   double own_;
+  double poisson_, density_;
   Options options_;
   std::vector<float> deviations_;
   int next_ = 0;

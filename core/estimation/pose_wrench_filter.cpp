@@ -55,7 +55,8 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       rest_(options),
       contact_(body, surface, options, options),
       observations_(body, surface, options),
-      node_deviations_(body.mesh.node_count(), options.observation.surface, options.deviations) {
+      node_deviations_(body.mesh.node_count(), options.observation.surface, options.consistency,
+                       options.deviations) {
   math::check_positive(options.period, "period");
   math::check_positive(options.decorrelation_distance, "decorrelation_distance");
   math::check_positive(options.decorrelation_angle, "decorrelation_angle");
@@ -106,6 +107,7 @@ void PoseWrenchFilter::take_over(const Estimate& last,
       carry_over(filter.bias(g) + i, last.bias[g][i], last.bias_deviation[g][i], filter);
     }
   }
+  guard_.take_over(filter);
 }
 
 UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,

@@ -132,10 +132,14 @@ void WrenchFilter::end_contact() noexcept {
   P_.rightCols<3>().setZero();
 }
 
-void WrenchFilter::shift(int first, const math::Vector6d& change,
-                         const math::Matrix6d& covariance) noexcept {
-  mean_.segment<6>(first) += change;
-  P_.block<6, 6>(first, first) += covariance;
+void WrenchFilter::assume(const Vector& mean, const Covariance& covariance) noexcept {
+  const int known = 6 * grasps_ + 1, biases = 6 * grasps_;
+  mean_.head(known) = mean.head(known);
+  mean_.segment(bias(0), biases) = mean.tail(biases);
+  P_.topLeftCorner(known, known) = covariance.topLeftCorner(known, known);
+  P_.block(0, bias(0), known, biases) = covariance.topRightCorner(known, biases);
+  P_.block(bias(0), 0, biases, known) = covariance.bottomLeftCorner(biases, known);
+  P_.block(bias(0), bias(0), biases, biases) = covariance.bottomRightCorner(biases, biases);
 }
 
 double WrenchFilter::deviation(int state) const noexcept {

@@ -75,8 +75,10 @@ class WrenchFilter {
   void end_contact() noexcept;
   bool has_contact() const noexcept { return has_contact_; }
 
-  /// Adds a change that is known from elsewhere to six states from `first` on, with its covariance.
-  void shift(int first, const math::Vector6d& change, const math::Matrix6d& covariance) noexcept;
+  /// Replaces mean and covariance of the states without forces by what is known of them from
+  /// elsewhere: offsets of the grasps, logarithm of Young's modulus and biases, in the order of the
+  /// states. Only without virtual loads and without an unknown force.
+  void assume(const Vector& mean, const Covariance& covariance) noexcept;
 
   int grasp_count() const noexcept { return grasps_; }
   int size() const noexcept { return contact() + 3; }

@@ -201,9 +201,13 @@ bool WrenchUpdate::passes(const Innovation& innovation, FusedState& state) const
 void WrenchUpdate::correct(const Innovation& now, FusedState& state) noexcept {
   const WrenchFilter::Vector before = state.filter.mean();
   state.filter.correct();
-  for (int g = 0; g < state.filter.grasp_count(); ++g)
-    if (now.held[g]) hands_[g].information_gain *= 1 - absorbed();
+  absorb(now);
   follow(now.held, now.H, state.filter.mean() - before, state);
+}
+
+void WrenchUpdate::absorb(const Innovation& now) noexcept {
+  for (std::size_t g = 0; g < hands_.size(); ++g)
+    if (now.held[g]) hands_[g].information_gain *= 1 - absorbed();
 }
 
 void WrenchUpdate::follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,

@@ -50,6 +50,9 @@ class WrenchUpdate {
   /// Corrects the state by the innovation tested last.
   void correct(const Innovation& innovation, FusedState& state) noexcept;
 
+  /// The state has been corrected by an innovation: the next ones, whose model error is the same,
+  /// carry less information.
+  void absorb(const Innovation& now) noexcept;
   /// Makes the prediction follow a change of the state at once and reduces the means of the
   /// innovation accordingly, so that no information is used twice. `H`: FusedState::wrench_rows()
   /// of the hands `held`.

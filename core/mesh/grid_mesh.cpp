@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
+#include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -53,6 +56,30 @@ GridPlanes even_planes(const Eigen::Vector3d& lower, const Eigen::Vector3d& size
       planes[axis].push_back(lower[axis] + size[axis] * i / cells[axis]);
   }
   return planes;
+}
+
+void align(const std::vector<double>& through, std::vector<double>& planes) {
+  const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(planes.size()) - 1;
+  std::set<double> wanted;
+  for (const double coordinate : through)
+    if (planes.front() < coordinate && coordinate < planes.back()) wanted.insert(coordinate);
+  while (static_cast<std::ptrdiff_t>(wanted.size()) > last - 1)
+    wanted.erase(std::prev(wanted.end()));
+  std::map<std::ptrdiff_t, double> kept{{0, planes.front()}, {last, planes.back()}};
+  std::ptrdiff_t before = 0, to_come = static_cast<std::ptrdiff_t>(wanted.size());
+  for (const double coordinate : wanted) {
+    const auto above = std::lower_bound(planes.begin(), planes.end(), coordinate);
+    const bool is_above = *above - coordinate < coordinate - *std::prev(above);
+    const std::ptrdiff_t nearest = above - planes.begin() - (is_above ? 0 : 1);
+    before = std::clamp(nearest, before + 1, last - to_come--);
+    kept[before] = coordinate;
+  }
+  for (auto end = std::next(kept.begin()); end != kept.end(); ++end) {
+    const auto [first, lower] = *std::prev(end);
+    const double step = (end->second - lower) / static_cast<double>(end->first - first);
+    for (std::ptrdiff_t i = first; i < end->first; ++i)
+      planes[static_cast<std::size_t>(i)] = lower + static_cast<double>(i - first) * step;
+  }
 }
 
 TetrahedralMesh make_grid(const GridPlanes& planes, CellCut cut,

@@ -20,6 +20,11 @@ using GridPlanes = std::array<std::vector<double>, 3>;
 GridPlanes even_planes(const Eigen::Vector3d& lower, const Eigen::Vector3d& size,
                        const std::array<int, 3>& cells);
 
+/// Moves inner planes of one axis, m, so that the coordinates `through`, m, are planes, and spaces
+/// the others evenly between them. Coordinates on or beyond the ends are ignored, as are those for
+/// which no inner plane is left.
+void align(const std::vector<double>& through, std::vector<double>& planes);
+
 /// Tetrahedra of those grid cells whose centre `keep` accepts (all if it is empty); nodes and cells
 /// are ordered with x running fastest. Throws std::invalid_argument for invalid planes or if no
 /// cell remains.

@@ -194,7 +194,7 @@ OptionTable<estimation::NodeDeviations::Options> node_deviation_options() {
   return OptionTable<Options>()
       .number(
           "clamp_deviation", "m",
-          "Standard deviation of each axis of the clamp's position; for the reported deviations "
+          "Standard deviation of each axis of the object's position; for the reported deviations "
           "of the shape",
           {0, 0.1}, &Options::clamp)
       .number("shape_error", "",

@@ -6,6 +6,7 @@
 
 #include "core/elasticity/pad_compliance.hpp"
 #include "core/estimation/grasp_compliance.hpp"
+#include "core/mesh/grid_mesh.hpp"
 #include "core/mesh/report.hpp"
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
@@ -24,7 +25,45 @@ void check_size(const config::Node& node, const std::string& key, double count) 
                        " nodes; allowed: at most " + std::to_string(kMostNodes));
 }
 
-mesh::TetrahedralMesh read_mesh(const config::Node& object) {
+Box read_box(const config::Node& object, const std::string& key) {
+  const char* nodes_are =
+      key == "fixed_box" ? "Box of the nodes that never move" : "Box of the nodes that are held";
+  return object.child({key, "", nodes_are}).read(box_options("in O at rest"));
+}
+
+/// Planes of nodes coincide with the bounds of clamp and grasps: a bound between two rows of nodes
+/// makes a grasp smaller than it is.
+void align_with_boxes(const config::Node& object, bool is_quadratic, mesh::GridPlanes& planes) {
+  constexpr double kSame = 1e-6;  // of the body's extent
+  std::vector<Box> boxes;
+  for (const char* key : {"fixed_box", "grasp_box", "second_grasp_box"})
+    if (object.has(key)) boxes.push_back(read_box(object, key));
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double>& along = planes[axis];
+    const auto is_row = [&](double bound) {
+      for (std::size_t i = 0; i < along.size(); ++i) {
+        const double midway = 0.5 * (along[i] + along[std::min(i + 1, along.size() - 1)]);
+        const double off =
+            std::min(std::abs(along[i] - bound),
+                     is_quadratic ? std::abs(midway - bound) : std::abs(along[i] - bound));
+        if (off <= kSame * (along.back() - along.front())) return true;
+      }
+      return false;
+    };
+    std::vector<double> bounds;
+    bool all_rows = true;
+    for (const Box& box : boxes) {
+      for (const double bound : {box.lower[axis], box.upper[axis]}) {
+        if (bound <= along.front() || bound >= along.back()) continue;
+        bounds.push_back(bound);
+        all_rows = all_rows && is_row(bound);
+      }
+    }
+    if (!all_rows) mesh::align(bounds, along);
+  }
+}
+
+mesh::TetrahedralMesh read_mesh(const config::Node& object, bool is_quadratic) {
   const config::Node node =
       object.child({"mesh", "", "Tetrahedral mesh; exactly one of box and file"});
   if (node.has("box") == node.has("file"))
@@ -34,11 +73,18 @@ mesh::TetrahedralMesh read_mesh(const config::Node& object) {
   if (node.has("box")) {
     const config::Node box = node.child({"box", "", "Box with a corner in O"});
     const Eigen::Vector3d size = box.vector3({"size", "m", "Edge lengths of the box"}, {1e-3, 10});
-    const std::vector<double> cells = box.numbers(
-        {"cells", "", "Number of cells along each edge, six tetrahedra per cell"}, 3, {1, 200});
+    const std::vector<double> cells =
+        box.numbers({"cells", "",
+                     "Number of cells along each edge, six tetrahedra per cell; cells are "
+                     "stretched so that the "
+                     "bounds of clamp and grasps lie on rows of nodes"},
+                    3, {1, 200});
     check_size(box, "cells", (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1));
-    mesh = mesh::make_box(
-        size, {static_cast<int>(cells[0]), static_cast<int>(cells[1]), static_cast<int>(cells[2])});
+    mesh::GridPlanes planes = mesh::even_planes(
+        Eigen::Vector3d::Zero(), size,
+        {static_cast<int>(cells[0]), static_cast<int>(cells[1]), static_cast<int>(cells[2])});
+    align_with_boxes(object, is_quadratic, planes);
+    mesh = mesh::make_grid(planes, mesh::CellCut::kSix);
   } else {
     try {
       mesh = config::load_mesh(
@@ -97,9 +143,7 @@ void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
 std::vector<int> nodes_in(const config::Node& object, const std::string& key,
                           const mesh::ElementMesh& mesh, std::vector<std::string>* remarks) {
   if (!object.has(key)) return {};
-  const char* nodes_are =
-      key == "fixed_box" ? "Box of the nodes that never move" : "Box of the nodes that are held";
-  const Box box = object.child({key, "", nodes_are}).read(box_options("in O at rest"));
+  const Box box = read_box(object, key);
   std::vector<int> nodes = mesh::nodes_in_box(mesh, box.lower, box.upper);
   if (nodes.empty()) object.fail(key, "no node of the mesh lies in this box");
   if (remarks != nullptr) remark_on_bounds(key, mesh, box.lower, box.upper, nodes, *remarks);
@@ -169,16 +213,15 @@ Object read_object(const config::Node& root, const Frames& frames,
                    std::vector<std::string>* remarks) {
   const config::Node node = root.child({"object", "", "Soft object"});
   Object object;
-  object.corners = read_mesh(node);
+  const bool is_quadratic =
+      node.choice(
+          {"order", "", "Order of the elements; quadratic ones have 10 nodes and bend correctly"},
+          {"linear", "quadratic"}, "quadratic") == "quadratic";
+  object.corners = read_mesh(node, is_quadratic);
   object.hash = mesh::hash(object.corners);
   elasticity::Body& body = object.body;
   body.mesh = mesh::make_element_mesh(
-      object.corners,
-      node.choice(
-          {"order", "", "Order of the elements; quadratic ones have 10 nodes and bend correctly"},
-          {"linear", "quadratic"}, "quadratic") == "linear"
-          ? mesh::ElementOrder::kLinear
-          : mesh::ElementOrder::kQuadratic);
+      object.corners, is_quadratic ? mesh::ElementOrder::kQuadratic : mesh::ElementOrder::kLinear);
   check_size(node, "order", body.mesh.node_count());
   object.surface = mesh::extract_surface(body.mesh);
 

@@ -21,7 +21,7 @@ constexpr int kOnsetRecords = 5;
 constexpr double kResponseError = 0.05;
 /// Part of the wrench of a contact that its place does not explain, because it acts between the
 /// places and over an area: changes relative to the measured changes of the wrenches.
-constexpr double kPlaceError = 0.15;
+constexpr double kPlaceError = 0.25;
 constexpr int kContactForce = 3;  // number of states of a contact's force
 
 /// Logarithm of the probability of a positive value, times 2, that is zero for an unknown sign.
@@ -221,7 +221,13 @@ double CauseHypothesis::log_possible(const CauseRecord& record) const noexcept {
 WrenchKnowledge CauseHypothesis::absorbed() const noexcept {
   const WrenchStates states = knowledge_.states();
   const int into = cause_ == Cause::kSlip ? states.offset(hand_) : states.bias(hand_);
-  return knowledge_.folded(into);
+  WrenchKnowledge result = knowledge_.folded(into);
+  if (cause_ != Cause::kSlip) return result;
+  // The hand holds other material now.
+  for (const int first :
+       {states.stiffness(hand_), states.pose_error(hand_), states.wrench_error(hand_)})
+    result.forget(first);
+  return result;
 }
 
 }  // namespace palpate::estimation

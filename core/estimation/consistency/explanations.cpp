@@ -16,7 +16,7 @@ constexpr double kMoves = 0.02;
 constexpr double kMostAdvantage = 8;
 /// Successive records are not independent: their evidence counts less.
 constexpr double kIndependence = 0.5;
-constexpr double kUnknownPrior = -6;  // logarithm, relative to each of the other causes
+constexpr double kUnknownPrior = -8;  // logarithm, relative to each of the other causes
 // An explanation is certain with this probability and misfit for so many records.
 constexpr double kCertain = 0.98, kFits = 2;
 constexpr int kCertainRecords = 15;

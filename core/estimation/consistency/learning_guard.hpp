@@ -5,11 +5,13 @@
 
 namespace palpate::estimation {
 
-/// Permits the wrenches to correct the fused state only while they are consistent with the model.
-/// When a discrepancy begins, the state falls back to what had been learnt before it, faded into
-/// the shape; learning resumes when the discrepancy has ended, or when a slip of the grasp or a
-/// bias of the sensor, which are states of the filter, explains it without reasonable doubt and has
-/// been added to them. Nothing allocates after construction.
+/// Learns the fused state from the wrenches while they are consistent with the model: the state
+/// follows what the test knows of it, which accounts for the errors of the model. When a
+/// discrepancy begins, the state falls back to what had been learnt before it, faded into the
+/// shape; learning resumes when the discrepancy has ended, or when a slip of the grasp or a bias of
+/// the sensor, which are states of the filter, explains it without reasonable doubt and has been
+/// added to them. Once the shape is observed, virtual loads belong to the state, and the filter's
+/// own update learns instead. Nothing allocates after construction.
 class LearningGuard {
  public:
   struct Options : WrenchConsistency::Options {
@@ -21,8 +23,10 @@ class LearningGuard {
                 const Options& options);
 
   void reset() noexcept;
-  /// Judges an innovation. `has_contact`: an external contact is suspected or estimated. True if it
-  /// may correct the state.
+  /// Begins with the state of the filter.
+  void take_over(const WrenchFilter& filter) noexcept;
+  /// Judges an innovation, and learns from it. `has_contact`: an external contact is suspected or
+  /// estimated. True if the filter's own update may correct the state.
   bool permits(const Innovation& now, bool has_contact, FusedState& state, WrenchUpdate& wrenches,
                const elasticity::DeformationModel& model) noexcept;
   /// Call once per tick: continues the ranking of explanations.
@@ -33,17 +37,13 @@ class LearningGuard {
   const DiscrepancyReport* report() const noexcept { return is_enabled_ ? &report_ : nullptr; }
 
  private:
-  void fall_back(const Innovation& now, FusedState& state, WrenchUpdate& wrenches) const noexcept;
-  void adopt(const CauseHypothesis& cause, const Innovation& now, FusedState& state,
-             WrenchUpdate& wrenches) noexcept;
+  void assume(const Innovation& now, bool is_faded, FusedState& state,
+              WrenchUpdate& wrenches) const noexcept;
 
   bool is_enabled_;
   WrenchConsistency test_;
   Explanations explanations_;
   DiscrepancyReport report_;
-  WrenchFilter prior_, initial_;       // initial: the prior, or the state after the last adoption
-  std::vector<WrenchFilter> history_;  // ring, at the snapshots of the test
-  int newest_ = 0;
 };
 
 }  // namespace palpate::estimation

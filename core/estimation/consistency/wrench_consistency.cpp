@@ -52,7 +52,7 @@ WrenchKnowledge prior_knowledge(const elasticity::Body& body, const WrenchFilter
     six(states.wrench_error(g), options.pose_error, options.pose_error);
   }
   deviations.segment<3>(states.log_young()) << priors.log_young, options.poisson, options.density;
-  return {states, deviations};
+  return {states, deviations, priors.memory};
 }
 
 /// Copies of one knowledge.
@@ -91,11 +91,26 @@ void WrenchConsistency::reset() noexcept {
   for (math::Vector6d& sum : sums_) sum.setZero();
   for (HandRecord& hand : record_) {
     hand.valid = false;
-    hand.travel = 0;
+    hand.travel = hand.time = 0;
   }
   discrepancy_ = Discrepancy();
   is_inconsistent_ = has_just_begun_ = false;
   snapshots_back_ = passed_ = 0;
+}
+
+void WrenchConsistency::take_over(const WrenchFilter& filter) noexcept {
+  reset();
+  const auto assume = [&](int state, int first, int count) {
+    WrenchKnowledge::Vector deviations(count);
+    for (int i = 0; i < count; ++i) deviations[i] = filter.deviation(first + i);
+    initial_.assume(state, filter.mean().segment(first, count), deviations);
+  };
+  for (int g = 0; g < states_.grasps; ++g) {
+    assume(states_.offset(g), filter.offset(g), 6);
+    assume(states_.bias(g), filter.bias(g), 6);
+  }
+  assume(states_.log_young(), filter.log_young(), 1);
+  now_ = initial_;
 }
 
 void WrenchConsistency::forget_snapshots() noexcept { exceeded_ = snapshot_count_ = updates_ = 0; }
@@ -132,6 +147,7 @@ void WrenchConsistency::linearise(const Innovation& now, const FusedState& state
   for (int g = 0, row = 0; g < states_.grasps; ++g) {
     HandRecord& hand = record_[g];
     hand.travel += now.travel[g];
+    hand.time += sampling_.period;
     hand.valid = now.held[g];
     if (!hand.valid) continue;
     const auto rows = now.H.middleRows<6>(row);

@@ -26,9 +26,9 @@ class WrenchConsistency {
     double density = 0.03;  // 1, relative error of the density
     /// 1, relative error of the stiffness in each direction, compared with the common factor:
     /// uneven stiffness, dimensions
-    double stiffness_error = 0.1;
+    double stiffness_error = 0.05;
     /// 1, error that varies with the pose of the hand, relative to the size of the wrench
-    double pose_error = 0.05;
+    double pose_error = 0.03;
     double position_error = 3e-4;  // m, error of the hand's position that varies with its pose
     double rotation_error = 1e-3;  // rad, of its rotation
     double false_alarms = 1;       // 1/h, per hand, while the model holds
@@ -49,6 +49,8 @@ class WrenchConsistency {
                     const WrenchFilter::Options& priors, const Options& options);
 
   void reset() noexcept;
+  /// Begins with the means and deviations that the filter has of its states.
+  void take_over(const WrenchFilter& filter) noexcept;
   /// Takes the innovation of a wrench update. `learn`: whether the wrench may update the knowledge;
   /// false while an external contact is estimated. True if a snapshot was taken now.
   bool take(const Innovation& now, const FusedState& state,

@@ -15,17 +15,12 @@ double stiffness_factor(double log_young) noexcept {
 
 }  // namespace
 
-WrenchKnowledge::WrenchKnowledge(WrenchStates states, const Vector& deviations)
+WrenchKnowledge::WrenchKnowledge(WrenchStates states, const Vector& deviations, double memory)
     : states_(states),
       mean_(Vector::Zero(states.count())),
-      covariance_(deviations.cwiseAbs2().asDiagonal()) {
-  travel_.fill(0);
-  varying_.setZero();
-  for (int g = 0; g < states_.grasps; ++g) {
-    varying_.col(g) << deviations.segment<6>(states_.pose_error(g)).cwiseAbs2(),
-        deviations.segment<6>(states_.wrench_error(g)).cwiseAbs2();
-  }
-}
+      covariance_(deviations.cwiseAbs2().asDiagonal()),
+      stationary_(deviations.cwiseAbs2()),
+      memory_(memory) {}
 
 void WrenchKnowledge::append(const Matrix& covariance) noexcept {
   const Eigen::Index known = mean_.size(), added = covariance.rows();
@@ -38,19 +33,20 @@ void WrenchKnowledge::append(const Matrix& covariance) noexcept {
 }
 
 void WrenchKnowledge::advance(const WrenchRecord& record) noexcept {
+  const int count = states_.count();
+  const double time = std::max(record[0].time, record[1].time);
+  Vector kept = Vector::Constant(count, std::exp((time_ - time) / memory_));
+  time_ = time;
   for (int g = 0; g < states_.grasps; ++g) {
-    const double kept = std::exp(travel_[g] - record[g].travel);
+    const double with_pose = std::exp(travel_[g] - record[g].travel);
     travel_[g] = record[g].travel;
-    if (kept == 1) continue;
-    const auto fade = [&](int first, const math::Vector6d& variances) {
-      mean_.segment<6>(first) *= kept;
-      covariance_.middleRows<6>(first) *= kept;
-      covariance_.middleCols<6>(first) *= kept;
-      covariance_.diagonal().segment<6>(first) += (1 - kept * kept) * variances;
-    };
-    fade(states_.pose_error(g), varying_.col(g).head<6>());
-    fade(states_.wrench_error(g), varying_.col(g).tail<6>());
+    kept.segment<6>(states_.pose_error(g)).setConstant(with_pose);
+    kept.segment<6>(states_.wrench_error(g)).setConstant(with_pose);
   }
+  mean_.head(count).array() *= kept.array();
+  covariance_.topRows(count).array().colwise() *= kept.array();
+  covariance_.leftCols(count).array().rowwise() *= kept.transpose().array();
+  covariance_.diagonal().head(count).array() += (1 - kept.array().square()) * stationary_.array();
 }
 
 /// N, N m, of a hand for the nominal stiffness, by the displacements of all grasps.
@@ -145,6 +141,32 @@ WrenchKnowledge WrenchKnowledge::folded(int into) const noexcept {
   result.mean_ = (sums * mean_).eval();
   result.covariance_ = (sums * covariance_ * sums.transpose()).eval();
   return result;
+}
+
+void WrenchKnowledge::assume(int first, const Vector& mean, const Vector& deviations) noexcept {
+  const Eigen::Index size = mean.size();
+  mean_.segment(first, size) = mean;
+  covariance_.middleRows(first, size).setZero();
+  covariance_.middleCols(first, size).setZero();
+  covariance_.diagonal().segment(first, size) = deviations.cwiseAbs2();
+}
+
+void WrenchKnowledge::forget(int first) noexcept {
+  assume(first, Vector::Zero(6), stationary_.segment<6>(first).cwiseSqrt());
+}
+
+void WrenchKnowledge::write(Vector& mean, Matrix& covariance) const noexcept {
+  const int offsets = 6 * states_.grasps;
+  Matrix select = Matrix::Zero(2 * offsets + 1, mean_.size());
+  select.leftCols(offsets).topRows(offsets).setIdentity();
+  for (int g = 0; g < states_.grasps; ++g)
+    select.block<6, 6>(states_.offset(g), states_.pose_error(g)).setIdentity();
+  select(offsets, states_.log_young()) = 1;
+  select.block(offsets + 1, states_.bias(0), offsets, offsets).setIdentity();
+  mean.noalias() = select * mean_;
+  Matrix half(select.rows(), mean_.size());
+  half.noalias() = select * covariance_;
+  covariance.noalias() = half * select.transpose();
 }
 
 math::Vector6d WrenchKnowledge::size_of_wrench(const HandRecord& hand,

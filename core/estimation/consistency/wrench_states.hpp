@@ -43,6 +43,7 @@ struct HandRecord {
   math::Matrix6d R;     // covariance of the noise of y
   math::Vector6d size;  // N, N m, size of the predicted force and torque, by component
   double travel = 0;    // motion of the hand until now, in distances that decorrelate the errors
+  double time = 0;      // s, until now
 };
 using WrenchRecord = std::array<HandRecord, 2>;
 
@@ -65,12 +66,14 @@ class WrenchKnowledge {
     double log_likelihood = 0;  // of the wrench
   };
 
-  /// Zero means with these deviations, also of the errors that vary with the pose.
-  WrenchKnowledge(WrenchStates states, const Vector& deviations);
+  /// Zero means with these deviations, which are also those of the stationary processes that the
+  /// states follow. `memory`: s, their correlation time; errors that vary with the pose decorrelate
+  /// with motion instead.
+  WrenchKnowledge(WrenchStates states, const Vector& deviations, double memory);
 
   /// Adds states of mean zero and this covariance.
   void append(const Matrix& covariance) noexcept;
-  /// The errors that vary with the pose decorrelate by the motion of the hands until `record`.
+  /// The states change with the time and the motion of the hands until `record`.
   void advance(const WrenchRecord& record) noexcept;
   /// `R`: covariance of the noise of the wrench, at least that of the record.
   Comparison compare(const HandRecord& hand, const Appended& appended,
@@ -84,6 +87,13 @@ class WrenchKnowledge {
   void diffuse(int first, const Matrix& covariance) noexcept;
   /// Without appended states, of which the first six are added to those from `into` on.
   WrenchKnowledge folded(int into) const noexcept;
+  /// Replaces what is known of six states from `first` on, or of log E, by independent ones.
+  void assume(int first, const Vector& mean, const Vector& deviations) noexcept;
+  /// Forgets what is known of six states from `first` on.
+  void forget(int first) noexcept;
+  /// What is known of the states that a WrenchFilter has too, in its order: the offsets with their
+  /// present errors, log E, the biases.
+  void write(Vector& mean, Matrix& covariance) const noexcept;
   /// N, N m, size of a hand's force and torque under the object alone, by component, from the
   /// predicted wrench for the nominal parameters, the means and the deviations of the grasps.
   /// `lever`: m, of the error of a force.
@@ -106,9 +116,10 @@ class WrenchKnowledge {
   WrenchStates states_;
   Vector mean_;
   Matrix covariance_;
-  /// Of the states that vary with the pose, those of each hand in one vector.
-  Eigen::Matrix<double, 12, 2> varying_;
-  std::array<double, 2> travel_;
+  Vector stationary_;  // variances
+  double memory_;
+  std::array<double, 2> travel_{};
+  double time_ = 0;
 };
 
 }  // namespace palpate::estimation

@@ -33,14 +33,19 @@ const ShapeErrorSample* sample_at(const std::vector<ShapeErrorSample>& samples, 
 
 /// Columns of rounded numbers.
 Json json_of(const std::vector<TestedWrench>& tests) {
-  Json times = Json::array(), errors = Json::array(), significances = Json::array();
+  Json times = Json::array(), errors = Json::array(), significances = Json::array(),
+       tests_of_all = Json::array();
   const auto rounded = [](double value) { return 1e-3 * std::round(1e3 * value); };
   for (const TestedWrench& test : tests) {
     times.push_back(rounded(test.time));
     errors.push_back(rounded(1e3 * test.largest_error));
     significances.push_back(rounded(test.significance));
+    tests_of_all.push_back(rounded(test.of_threshold));
   }
-  return {{"time_s", times}, {"largest_error_mm", errors}, {"significance", significances}};
+  return {{"time_s", times},
+          {"largest_error_mm", errors},
+          {"significance", significances},
+          {"test_of_threshold", tests_of_all}};
 }
 
 double significance_of(const discrepancy_t& report) {
@@ -139,7 +144,9 @@ class Scoring {
       if (time(report.utime) < score_.begin) continue;
       const ShapeErrorSample* sample = sample_at(errors_, time(report.utime));
       if (sample == nullptr) continue;
-      score_.tests.push_back({time(report.utime), sample->maximum, significance_of(report)});
+      const double of_threshold = report.threshold > 0 ? report.test / report.threshold : 0;
+      score_.tests.push_back(
+          {time(report.utime), sample->maximum, significance_of(report), of_threshold});
     }
   }
 

@@ -21,6 +21,7 @@ struct TestedWrench {
   double time = 0;           // s
   double largest_error = 0;  // m, of a node
   double significance = 0;   // largest |difference| / deviation of DISCREPANCY
+  double of_threshold = 0;   // DISCREPANCY's test divided by its threshold
 };
 
 /// An estimate in a world that its model does not describe. Times in s since the start of the

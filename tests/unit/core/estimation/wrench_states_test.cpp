@@ -10,6 +10,7 @@ namespace {
 using math::Vector6d;
 
 const WrenchStates kStates{1};
+constexpr double kMemory = 300;  // s
 
 /// A hand on a spring, stiff along x, that stretches it by `stretch` (m) in the nominal model.
 HandRecord record_of(double stretch, double travel = 0) {
@@ -39,8 +40,8 @@ WrenchKnowledge::Vector deviations(std::initializer_list<std::pair<int, double>>
 // 0.8 N, no pair of values explains the wrenches.
 TEST(WrenchKnowledge, ModulusAndOffsetAreFoundFromTheirProduct) {
   const double log_young = std::log(1.4), offset = -0.002;
-  WrenchKnowledge known(kStates,
-                        deviations({{kStates.log_young(), 0.4}, {kStates.offset(0), 0.003}}));
+  WrenchKnowledge known(
+      kStates, deviations({{kStates.log_young(), 0.4}, {kStates.offset(0), 0.003}}), kMemory);
   const WrenchKnowledge::Appended none = WrenchKnowledge::Appended::Zero(6, 0);
   for (const double stretch : {0.0, 0.001, -0.004, 0.01}) {
     HandRecord hand = record_of(stretch);
@@ -57,7 +58,7 @@ TEST(WrenchKnowledge, ModulusAndOffsetAreFoundFromTheirProduct) {
 // A stiffness that differs along x alone is no contradiction within its deviation, whatever the
 // size of the wrench; the same wrench across is one.
 TEST(WrenchKnowledge, TheStiffnessOfADirectionHasAnErrorOfItsOwn) {
-  const WrenchKnowledge known(kStates, deviations({{kStates.stiffness(0), 0.1}}));
+  const WrenchKnowledge known(kStates, deviations({{kStates.stiffness(0), 0.1}}), kMemory);
   HandRecord hand = record_of(0.02);
   hand.y[0] = 0.1 * 20;
   EXPECT_NEAR(known.compare(hand).squared, 1, 0.01);
@@ -67,7 +68,7 @@ TEST(WrenchKnowledge, TheStiffnessOfADirectionHasAnErrorOfItsOwn) {
 
 TEST(WrenchKnowledge, ErrorsThatVaryWithThePoseReturnToTheirDeviationsAsTheHandMoves) {
   const int error = kStates.wrench_error(0), pose = kStates.pose_error(0);
-  WrenchKnowledge known(kStates, deviations({{error, 0.05}, {pose, 3e-4}}));
+  WrenchKnowledge known(kStates, deviations({{error, 0.05}, {pose, 3e-4}}), kMemory);
   HandRecord hand = record_of(0.02);
   hand.y[0] = 1;
   known.correct(hand, WrenchKnowledge::Appended::Zero(6, 0), hand.R);
@@ -84,8 +85,48 @@ TEST(WrenchKnowledge, ErrorsThatVaryWithThePoseReturnToTheirDeviationsAsTheHandM
   EXPECT_NEAR(std::sqrt(known.covariance()(pose, pose)), 3e-4, 1e-9);
 }
 
+// What is known of the steady states fades with time, whether or not the hand moves.
+TEST(WrenchKnowledge, SteadyStatesReturnToTheirDeviationsWithinTheMemory) {
+  const int bias = kStates.bias(0) + 1;
+  WrenchKnowledge known(kStates, deviations({{bias, 0.4}}), kMemory);
+  HandRecord hand = record_of(0.01);
+  hand.y[1] = 0.3;
+  known.correct(hand, WrenchKnowledge::Appended::Zero(6, 0), hand.R);
+  const double learnt = known.mean()[bias], left = known.covariance()(bias, bias);
+  EXPECT_NEAR(learnt, 0.3, 1e-3);
+  hand.time = 150;
+  known.advance({hand, HandRecord()});
+  const double kept = std::exp(-0.5);
+  EXPECT_NEAR(known.mean()[bias], kept * learnt, 1e-12);
+  EXPECT_NEAR(known.covariance()(bias, bias), kept * kept * left + (1 - kept * kept) * 0.16, 1e-12);
+}
+
+TEST(WrenchKnowledge, TheOffsetOfAFilterIsTheSteadyOneWithItsPresentError) {
+  const int offset = kStates.offset(0), error = kStates.pose_error(0);
+  WrenchKnowledge known(
+      kStates,
+      deviations(
+          {{offset, 2e-3}, {error, 1e-3}, {kStates.log_young(), 0.2}, {kStates.bias(0) + 2, 0.05}}),
+      kMemory);
+  HandRecord hand = record_of(0.01);
+  hand.y[0] = 1.5;
+  known.correct(hand, WrenchKnowledge::Appended::Zero(6, 0), hand.R);
+  WrenchKnowledge::Vector mean;
+  WrenchKnowledge::Matrix covariance;
+  known.write(mean, covariance);
+  ASSERT_EQ(mean.size(), 13);
+  const WrenchKnowledge::Matrix& P = known.covariance();
+  EXPECT_NEAR(mean[0], known.mean()[offset] + known.mean()[error], 1e-15);
+  EXPECT_NEAR(covariance(0, 0), P(offset, offset) + P(error, error) + 2 * P(offset, error), 1e-15);
+  const int log_young = kStates.log_young(), bias = kStates.bias(0) + 2;
+  EXPECT_EQ(mean[6], known.mean()[log_young]);
+  EXPECT_NEAR(covariance(6, 0), P(log_young, offset) + P(log_young, error), 1e-15);
+  EXPECT_EQ(mean[9], known.mean()[bias]);
+  EXPECT_NEAR(covariance(9, 9), P(bias, bias), 1e-15);
+}
+
 TEST(WrenchKnowledge, TheSizeOfAWrenchIncludesWhatOffsetsMayAdd) {
-  const WrenchKnowledge known(kStates, deviations({{kStates.offset(0), 0.002}}));
+  const WrenchKnowledge known(kStates, deviations({{kStates.offset(0), 0.002}}), kMemory);
   const HandRecord hand = record_of(0.001);
   Vector6d nominal = Vector6d::Zero();
   nominal[0] = 1;

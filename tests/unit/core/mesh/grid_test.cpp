@@ -81,5 +81,32 @@ TEST(Grid, RefusesPlanesThatDoNotRise) {
   EXPECT_THROW(make_grid(planes, CellCut::kSix), std::invalid_argument);
 }
 
+std::vector<double> aligned(std::vector<double> planes, const std::vector<double>& through) {
+  align(through, planes);
+  return planes;
+}
+
+void expect_planes(const std::vector<double>& planes, const std::vector<double>& expected) {
+  ASSERT_EQ(planes.size(), expected.size());
+  for (std::size_t i = 0; i < planes.size(); ++i) EXPECT_NEAR(planes[i], expected[i], 1e-15) << i;
+}
+
+TEST(Align, MovesTheNearestPlanesAndSpacesTheOthersEvenly) {
+  expect_planes(aligned({0, 1, 2, 3, 4, 5}, {3.3}), {0, 1.1, 2.2, 3.3, 4.15, 5});
+  expect_planes(aligned({0, 1, 2, 3, 4, 5}, {4.8, 0.1}),
+                {0, 0.1, 0.1 + 4.7 / 3, 0.1 + 9.4 / 3, 4.8, 5});
+  expect_planes(aligned({0, 1, 2, 3}, {2}), {0, 1, 2, 3});
+}
+
+TEST(Align, KeepsPlanesInOrderWhereSeveralCoordinatesAreNearOne) {
+  expect_planes(aligned({0, 1, 2, 3}, {1.9, 2.1}), {0, 1.9, 2.1, 3});
+  expect_planes(aligned({0, 1, 2, 3}, {0.9, 1.0, 1.1}), {0, 0.9, 1.0, 3});  // one too many
+}
+
+TEST(Align, IgnoresCoordinatesWithoutAnInnerPlane) {
+  expect_planes(aligned({0, 1}, {0.5}), {0, 1});
+  expect_planes(aligned({0, 1, 2}, {0, 2, -1, 7}), {0, 1, 2});
+}
+
 }  // namespace
 }  // namespace palpate::mesh

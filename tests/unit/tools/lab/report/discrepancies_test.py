@@ -53,6 +53,14 @@ class Detection(unittest.TestCase):
             self.assertIsNone(rules.detectable_from(world("table", tests=small)))
         self.assertIsNone(rules.detectable_from(world("table", tests=tests_of(3.1, 3.1, 4), end_s=3)))
 
+    def test_a_short_excess_of_one_component_makes_no_world_detectable(self):
+        times = [0.05 * i for i in range(200)]
+        def tests(excess):
+            return {"time_s": times, "largest_error_mm": [4] * 200,
+                    "significance": [5 if 4 <= t < 4 + excess else 1 for t in times]}
+        self.assertIsNone(rules.detectable_from(world("table", tests=tests(0.1))))
+        self.assertAlmostEqual(rules.detectable_from(world("table", tests=tests(0.4))), 4)
+
     def test_a_report_counts_that_begins_in_time_and_still_lasts(self):
         times = [((3, 5), 0), ((4.4, 9), 0.4), ((4.6, 9), 0.6), ((3, 3.9), None)]
         for (begin, end), late in times:

@@ -77,6 +77,8 @@ std::vector<discrepancy_t> discrepancies(const Significance& significance) {
     discrepancy_t message{};
     message.utime = us(time);
     message.grasp_count = 1;
+    message.test = 3 * significance(time);
+    message.threshold = 6;
     for (double& deviation : message.deviation[0]) deviation = 0.5;
     message.deviation[0][5] = -1;   // not available
     message.difference[0][5] = 99;  // and not counted
@@ -194,6 +196,7 @@ TEST(DiscrepancyScore, TestsHoldErrorAndSignificanceSinceTheMotionBegan) {
   EXPECT_NEAR(score.tests.front().time, 1.02, 0.051);
   for (const TestedWrench& test : score.tests) {
     EXPECT_NEAR(test.significance, test.time < 2.5 ? 1 : 7, 1e-9) << test.time;
+    EXPECT_NEAR(test.of_threshold, test.time < 2.5 ? 0.5 : 3.5, 1e-6) << test.time;
     if (test.time > 3.1 && test.time < 3.9) {
       EXPECT_NEAR(test.largest_error, 0.01, 1e-5);
     }
