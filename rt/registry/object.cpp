@@ -1,5 +1,6 @@
 #include "rt/registry/object.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -31,33 +32,39 @@ Box read_box(const config::Node& object, const std::string& key) {
   return object.child({key, "", nodes_are}).read(box_options("in O at rest"));
 }
 
+constexpr double kSmallShare = 0.02;  // of the body's extent, between a bound and a row of nodes
+
+/// Whether nodes of the planes, or midway between two, lie in [lower, upper].
+bool has_row_in(double lower, double upper, bool is_quadratic, const std::vector<double>& planes) {
+  const auto is_in = [&](double at) { return lower <= at && at <= upper; };
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (is_in(planes[i])) return true;
+    if (is_quadratic && i > 0 && is_in(0.5 * (planes[i - 1] + planes[i]))) return true;
+  }
+  return false;
+}
+
 /// Planes of nodes coincide with the bounds of clamp and grasps: a bound between two rows of nodes
 /// makes a grasp smaller than it is.
 void align_with_boxes(const config::Node& object, bool is_quadratic, mesh::GridPlanes& planes) {
-  constexpr double kSame = 1e-6;  // of the body's extent
   std::vector<Box> boxes;
   for (const char* key : {"fixed_box", "grasp_box", "second_grasp_box"})
     if (object.has(key)) boxes.push_back(read_box(object, key));
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double>& along = planes[axis];
-    const auto is_row = [&](double bound) {
-      for (std::size_t i = 0; i < along.size(); ++i) {
-        const double midway = 0.5 * (along[i] + along[std::min(i + 1, along.size() - 1)]);
-        const double off =
-            std::min(std::abs(along[i] - bound),
-                     is_quadratic ? std::abs(midway - bound) : std::abs(along[i] - bound));
-        if (off <= kSame * (along.back() - along.front())) return true;
-      }
-      return false;
-    };
+    const double near = kSmallShare * (along.back() - along.front());
+    constexpr double kRounding = 1e-9;  // m
     std::vector<double> bounds;
     bool all_rows = true;
+    const auto add = [&](double bound, double inside) {
+      if (bound <= along.front() + near || bound >= along.back() - near) return;
+      bounds.push_back(bound);
+      const double from = std::min(bound, inside), to = std::max(bound, inside);
+      all_rows = all_rows && has_row_in(from - kRounding, to + kRounding, is_quadratic, along);
+    };
     for (const Box& box : boxes) {
-      for (const double bound : {box.lower[axis], box.upper[axis]}) {
-        if (bound <= along.front() || bound >= along.back()) continue;
-        bounds.push_back(bound);
-        all_rows = all_rows && is_row(bound);
-      }
+      add(box.lower[axis], box.lower[axis] + near);
+      add(box.upper[axis], box.upper[axis] - near);
     }
     if (!all_rows) mesh::align(bounds, along);
   }
@@ -110,7 +117,6 @@ std::string in_metres(char axis, double value) {
 void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
                       const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
                       const std::vector<int>& nodes, std::vector<std::string>& remarks) {
-  constexpr double kSmallShare = 0.02;  // of the body's extent
   const Eigen::Matrix3Xd selected = mesh.nodes(Eigen::all, nodes);
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = mesh.nodes.row(axis).maxCoeff() - mesh.nodes.row(axis).minCoeff();

@@ -15,7 +15,7 @@ namespace palpate::estimation {
 class LearningGuard {
  public:
   struct Options : WrenchConsistency::Options {
-    bool enabled = false;  // whether the wrenches are tested at all
+    bool enabled = true;  // whether the wrenches are tested, and learnt from in this way
   };
 
   LearningGuard(const elasticity::Body& body, const mesh::Surface& surface,

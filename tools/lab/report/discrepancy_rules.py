@@ -9,6 +9,7 @@ DETECTABLE = 3.0     # standard deviations
 LIMIT = 3.0          # mm, of the largest node error
 IN_TIME = 0.5        # s
 RECOVERY = 2.0       # s after the end of a contact
+NO_WORSE = 0.1       # mm, than pose alone
 CONTACTS = ("table", "cylinder", "wall", "weight")
 RESAMPLES = 2000
 
@@ -114,6 +115,14 @@ def recovery(worlds):
             "reached_percent": share(within("reached_pose_alone_s"), len(judged)),
             "stay_percent": share(within("stays_at_pose_alone_s"), len(judged)),
             "median_s": quantile(stays, 0.5), "90_percent_s": quantile(stays, 0.9)}
+
+
+def undisturbed(worlds):
+    """Of worlds without a discrepancy: numbers of all, and of those at most 0.1 mm worse than by pose alone."""
+    scores = [world["score"] for world in worlds if world["kind"] == "none" and
+              world["score"]["average_error_of_pose_alone_mm"] is not None]
+    near = sum(score["average_error_mm"] <= score["average_error_of_pose_alone_mm"] + NO_WORSE for score in scores)
+    return {"worlds": len(scores), "near": near}
 
 
 # Reports in free air, and intervals.

@@ -75,13 +75,15 @@ class ModelError {
 
 /// Assumptions of the filter about the worlds: exactly true, priors narrow; possible model error,
 /// and actual model error, with unchanged worlds; actual model error, with worlds as wide as the
-/// filter's priors.
-enum class Given { kJustThis, kModelMayBeWrong, kModelIsWrong, kOwnPriors };
+/// filter's priors; the model error that the test of the wrenches allows, which then learns.
+enum class Given { kJustThis, kModelMayBeWrong, kModelIsWrong, kOwnPriors, kTested };
 
 Verdict judge(std::uint64_t seed, Given given) {
   const elasticity::Body nominal = support::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
   PoseWrenchFilter::Options options;
   options.payload_error = 0;  // the wrenches of these worlds contain no inertia
+  options.consistency.enabled = given == Given::kTested;
+  if (given == Given::kTested) options.relative = options.consistency.pose_error;
   double force_noise = 0.025, torque_noise = 0.001;  // N, N m, of a reading
   if (given == Given::kJustThis) {
     options.relative = 0;
@@ -111,7 +113,7 @@ Verdict judge(std::uint64_t seed, Given given) {
     truth[i] = filter.filter().deviation(states[static_cast<std::size_t>(i)]) * normal(random);
   // As configured for use its priors of stiffness and bias are wider than the worlds': E is
   // configured with 30 % error, sensors drift by 0.1 N.
-  if (given == Given::kModelMayBeWrong || given == Given::kModelIsWrong) {
+  if (given != Given::kJustThis && given != Given::kOwnPriors) {
     truth[6] *= std::log(1.3) / options.filter.log_young;
     truth.segment<3>(7) *= 0.1 / options.filter.bias_force;
     truth.tail<3>() *= 0.01 / options.filter.bias_torque;
@@ -147,7 +149,7 @@ Verdict judge(std::uint64_t seed, Given given) {
     lagged += (1 - std::exp(-1e-3 / options.lag)) * (reaction - lagged);
     const Eigen::Matrix3d R = (hand * shift).linear();
     Vector6d wrench = lagged;
-    if (given == Given::kModelIsWrong || given == Given::kOwnPriors)
+    if (given != Given::kJustThis && given != Given::kModelMayBeWrong)
       wrench += model_error.of(lagged, i < kMoves ? 8.3e-5 : 0, i < kMoves ? 5.4e-4 : 0);
     wrench.head<3>() += R * truth.segment<3>(7);
     wrench.tail<3>() += R * truth.tail<3>();
@@ -228,7 +230,8 @@ TEST_P(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
 
 INSTANTIATE_TEST_SUITE_P(Given, FilterConsistency,
                          ::testing::Values(Given::kJustThis, Given::kModelMayBeWrong,
-                                           Given::kModelIsWrong, Given::kOwnPriors));
+                                           Given::kModelIsWrong, Given::kOwnPriors,
+                                           Given::kTested));
 
 }  // namespace
 }  // namespace palpate::estimation

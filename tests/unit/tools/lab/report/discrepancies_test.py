@@ -81,6 +81,13 @@ class Detection(unittest.TestCase):
         self.assertEqual(found["in_time_percent"], 50)
 
 
+class Undisturbed(unittest.TestCase):
+    def test_worlds_without_a_discrepancy_are_compared_with_pose_alone(self):
+        worlds = [world("none", average_error_mm=error) for error in (0.5, 1.09, 1.2)]
+        worlds += [world("table"), world("none", average_error_of_pose_alone_mm=None)]
+        self.assertEqual(rules.undisturbed(worlds), {"worlds": 3, "near": 2})
+
+
 class Ranking(unittest.TestCase):
     WORLDS = [world("table", reported_s=3, ranking_at_the_end=["contact", "slip"]),
               world("slip", reported_s=3, ranking_at_the_end=["contact", "slip"]),
