@@ -73,8 +73,17 @@ def reason_stale(entry, result, root=ROOT, known=None):
     return "changed since: " + ", ".join(changed) if changed else ""
 
 
+def minutes_of(entry, result):
+    """What it last took with the same command, otherwise what is declared."""
+    if result and result.get("command") == entry["command"] and result.get("seconds"):
+        return round(result["seconds"] / 60, 1)
+    return entry.get("minutes", 1)
+
+
 def texts_of(entry, result):
     """The text of each row's figure."""
+    if not result:
+        return ["not measured"] * len(entry["rows"])
     if "texts" in result:
         return result["texts"]
     return [row["figure"].format(**result["values"]) for row in entry["rows"]]
@@ -86,6 +95,8 @@ def lines_of(header, rows):
 
 
 def build_of(result):
+    if not result:
+        return ""
     return result["commit"][:8] + (f", {result['date'][:10]}" if result.get("date") else "") if result.get("commit") else "earlier"
 
 
@@ -93,13 +104,17 @@ def table_of(names, declarations, results):
     """Markdown of the results' rows; of one with tables of its own, these."""
     lines, rows = [], []
     for name in names:
-        entry, result = declarations[name], results[name]
+        entry, result = declarations[name], results.get(name, {})
         if "table" in result:
-            lines += lines_of(result["table"]["header"], result["table"]["rows"])
+            lines += [""] * bool(lines) + lines_of(result["table"]["header"], result["table"]["rows"])
             lines += ["", f"`{result.get('command', entry['command'])}`, {build_of(result)}"]
             continue
+        if "table" in entry:
+            lines += [""] * bool(lines) + [f"Not measured: `{entry['command']}`"]
+            continue
         for i, (row, text) in enumerate(zip(entry["rows"], texts_of(entry, result), strict=True)):
-            command = f"`{result.get('command', entry['command']).replace('|', ESCAPED)}`" + (f", {entry['remark']}" if "remark" in entry else "")
+            command = f"`{result.get('command', entry['command']).replace('|', ESCAPED)}`"
+            command += f", {entry['remark']}" if "remark" in entry else ""
             rows.append([row["what"], text, command if i == 0 else "the same", build_of(result)])
     if rows:
         lines += lines_of(["what", "figure", "command", "build"], rows)
@@ -115,7 +130,7 @@ def differences(page, text, declarations, results):
     """What of a page's text its results do not bear out, one sentence each."""
     found = []
     for block in BLOCK.finditer(text):
-        unknown = [name for name in block[2].split() if name not in declarations or name not in results]
+        unknown = [name for name in block[2].split() if name not in declarations]
         if unknown:
             found.append(f"{page}: no result is called {', '.join(unknown)}")
             continue

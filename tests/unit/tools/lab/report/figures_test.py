@@ -1,14 +1,22 @@
 """Figures of the documentation, and tables of drawn model errors."""
+import argparse
+import contextlib
 import copy
+import io
+import json
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import unittest
+from importlib.machinery import SourceFileLoader
+
+import yaml
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(os.environ["PALPATE_SOURCE_DIR"]) / "tools/lab/report"))
+FOLDER = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"]) / "tools/lab/report"
+sys.path.insert(0, str(FOLDER))
 import figure_tables  # noqa: E402
 import figures  # noqa: E402
 
@@ -50,7 +58,9 @@ class Pages(unittest.TestCase):
         self.assertEqual(figures.uncited("| a | 1 mm<!-- = sag.mm:.0f mm --> |\n"), [])
 
 
-class Staleness(unittest.TestCase):
+class Tree(unittest.TestCase):
+    """A repository of its own."""
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -60,11 +70,17 @@ class Staleness(unittest.TestCase):
             (self.root / name / "file").write_text("a")
         self.git("init", "-q")
         self.git("add", ".")
-        self.entry = DECLARED["sag"]
-        self.result = {**STORED["sag"], "inputs": figures.inputs_of(self.entry, self.root)}
+        self.git("-c", "user.name=n", "-c", "user.email=e", "commit", "-qm", "first")
 
     def git(self, *words):
         subprocess.run(["git", *words], cwd=self.root, check=True)
+
+
+class Staleness(Tree):
+    def setUp(self):
+        super().setUp()
+        self.entry = DECLARED["sag"]
+        self.result = {**STORED["sag"], "inputs": figures.inputs_of(self.entry, self.root)}
 
     def reason(self, result):
         return figures.reason_stale(self.entry, result, self.root)
@@ -86,6 +102,57 @@ class Staleness(unittest.TestCase):
         self.assertEqual(self.reason(None), "never run")
         self.assertIn("earlier build", self.reason(STORED["hand"]))
         self.assertEqual(self.reason({**self.result, "command": "bench"}), "another command")
+
+
+class Measuring(Tree):
+    def setUp(self):
+        super().setUp()
+        for name in ("docs/data", "tools/lab/report"):
+            (self.root / name).mkdir(parents=True)
+        self.declared = {
+            "said": {"command": "A=7 sh -c 'echo took $A mm'", "read": {"mm": r"took (\S+) mm"}, "quick": True,
+                     "rows": [{"what": "length", "figure": "{mm:.0f} mm"}]},
+            "kept": {"command": "cp tools/x/result.json out/figures/kept", "result": "out/figures/kept/result.json", "read": {"n": "/all/1"},
+                     "rows": [{"what": "count", "figure": "{n}"}]},
+            "broken": {"command": "false", "read": {"n": "n"}, "rows": [{"what": "none", "figure": "{n}"}]},
+            "hand": {"command": "echo 3 s", "rows": [{"what": "time"}]}}
+        (self.root / "tools/x/result.json").write_text('{"all": [1, 2]}')
+        (self.root / figures.DECLARED).write_text(yaml.safe_dump(self.declared, sort_keys=False))
+        (self.root / figures.STORED).write_text("{}")
+        for page in figures.PAGES:
+            (self.root / page).write_text("<!-- figures said -->\n<!-- end of figures -->\n")
+
+    def call(self, **options):
+        program = SourceFileLoader("run", str(FOLDER / "run")).load_module()
+        given = argparse.Namespace(**{"quick": False, "again": False, "only": [], "more": "", "shards": 1, **options})
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            code = program.run(figures.declared(self.root), figures.stored(self.root), given, figures, self.root)
+        return code, out.getvalue(), json.loads((self.root / figures.STORED).read_text())
+
+    def test_results_are_stored_with_their_origin_and_written_to_the_pages(self):
+        code, said, results = self.call()
+        self.assertEqual(code, 1)  # one is broken
+        self.assertIn("4 results: 2 measured, 1 to read by hand, 1 failed", said)
+        self.assertEqual([results["said"]["values"], results["kept"]["values"]], [{"mm": 7.0}, {"n": 2}])
+        self.assertEqual(set(results["said"]) - {"values"}, {"command", "commit", "machine", "date", "seconds", "inputs"})
+        self.assertIn("| length | 7 mm |", (self.root / "README.md").read_text())
+
+    def test_the_same_command_resumes(self):
+        self.call()
+        _, said, _ = self.call()
+        self.assertIn("2 results: 0 measured, 1 to read by hand, 1 failed", said)
+        self.assertIn("1 results: 1 measured", self.call(only=["said"], again=True)[1])
+
+    def test_a_smaller_sample_stays_stale(self):
+        _, _, results = self.call(only=["kept"], more="-v")
+        self.assertEqual(results["kept"]["command"], self.declared["kept"]["command"] + " -v")
+        self.assertEqual(figures.reason_stale(self.declared["kept"], results["kept"], self.root), "another command")
+
+    def test_quick_results_are_shown_and_not_stored(self):
+        _, said, results = self.call(quick=True)
+        self.assertIn("now    7 mm", said)
+        self.assertEqual(results, {})
 
 
 def run(draw, mean, hand, factor, name="six poses, bar", method="filter"):
