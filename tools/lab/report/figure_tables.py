@@ -133,15 +133,17 @@ def parameters_of(run):
 def explained(runs, column):
     """[(parameter, share)] of the variation between runs, largest first, and the share that one
     without effect exceeds by chance. Object: share of the variance of the error's logarithm. The
-    others: squared rank correlation with what remains. Ranks of sizes, since either sign harms."""
+    others: squared rank correlation with what remains. Ranks of sizes, since either sign harms.
+    With fewer than three runs of an object on average, objects are not separated."""
     errors = np.array([np.log(max(1e-9, number_at(run, column["at"]))) for run in runs])
     objects = [run["job"]["application"] for run in runs]
     rest = errors.copy()
-    for name in set(objects):
+    is_apart = len(runs) >= 3 * len(set(objects))
+    for name in set(objects) if is_apart else ():
         at = np.array([other == name for other in objects])
         rest[at] -= rest[at].mean()
     total = errors.var()
-    shares = {"object": 1 - rest.var() / total if total > 0 else 0}
+    shares = {"object": 1 - rest.var() / total} if is_apart and total > 0 else {}
     sizes = [parameters_of(run) for run in runs]
     for name in dict.fromkeys(name for size in sizes for name in size):
         at = [i for i, size in enumerate(sizes) if name in size]
@@ -168,7 +170,7 @@ def draw(runs, families, spec, columns, file):
         axis.axvline(100 * chance, color="#888888", linestyle="--", linewidth=1)
         axis.set(title=f"{family}, {len(group)} draws", xlabel="explained, %", xlim=(0, 100))
         axis.tick_params(labelsize=8)
-    drawing.suptitle(f"{spec['column']}, {spec['method']}; dashed: 5 % of parameters without effect exceed it", fontsize=10)
+    drawing.suptitle(f"{spec['method']}\n{spec['column']}", fontsize=9)
     drawing.tight_layout()
     drawing.savefig(file, dpi=90, metadata={"Software": None})
     pyplot.close(drawing)
