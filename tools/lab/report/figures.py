@@ -23,7 +23,7 @@ PAGES = ("README.md", "docs/results.md")
 ALWAYS = ("core", "rt", "sim")  # inputs of every result, besides its own
 ESCAPED = "\\|"  # in a cell of a table
 BLOCK = re.compile(r"(^<!-- figures ([\w ]+?) -->\n)(.*?)(^<!-- end of figures -->)", re.S | re.M)
-CITED = re.compile(r"([^\n]*?)<!-- = (\w+)\.(\w+):(\S+?)( [^\n]*?)? -->")
+CITED = re.compile(r"([^\n]*?)<!-- = (\w+)\.(\w+):(\S+?)( (?!-->)[^\n]*?)? -->")
 
 
 def declared(root=ROOT):

@@ -16,7 +16,7 @@ constexpr const char* kHead =
 
 /// Plans that together use every key.
 constexpr const char* kPlans[] = {"thesis.yaml", "control.yaml", "published_control.yaml",
-                                  "drawn_sensing.yaml"};
+                                  "drawn_sensing.yaml", "drawn_control.yaml"};
 
 }  // namespace
 

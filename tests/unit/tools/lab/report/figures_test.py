@@ -46,6 +46,11 @@ class Pages(unittest.TestCase):
                          ("sag.mm", "sag.cm"), ("figures sag hand", "figures sag foot")):
             self.assertNotEqual(self.wrong(self.page.replace(old, new)), [], new)
 
+    def test_each_figure_of_a_line_is_compared(self):
+        line = "From 1<!-- = sag.mm:.0f --> to {}<!-- = sag.mm:.2f mm -->.\n"
+        self.assertEqual(self.wrong(line.format("1.26 mm")), [])
+        self.assertEqual(len(self.wrong(line.format("1.27 mm"))), 1)
+
     def test_another_result_is_found(self):
         stored = copy.deepcopy(STORED)
         stored["sag"]["values"]["mm"] = 1.36
