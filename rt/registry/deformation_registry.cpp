@@ -74,7 +74,7 @@ Model make_corotational(const config::Node& node, const Context& context) {
   const elasticity::Body& body = context.object->body;
   const std::string integrator =
       node.choice({"integrator", "",
-                   "Time integration; thesis2018 reproduces the printed figures of the thesis, in "
+                   "Time integration; thesis2018: with the steps of the thesis' program, in "
                    "corotational_dynamic only"},
                   {"backward_euler", "thesis2018"}, "backward_euler");
   if (integrator == "thesis2018") {

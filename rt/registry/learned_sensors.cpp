@@ -167,7 +167,7 @@ std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& 
     return nullptr;
   }
   if (!node.has("fallback_file"))
-    node.fail("fallback", "needs fallback_file, a model written by palpate-evaluate tactile");
+    node.fail("fallback", "needs fallback_file, a linear force map");
   return make_biotac_linear(node, "fallback_file");
 }
 

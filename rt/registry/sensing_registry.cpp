@@ -67,10 +67,10 @@ sensing::LinearTactileModel read_tactile_model(const config::Node& node,
   const config::Node holder =
       node.has(file_key)
           ? config::Node::load_file(
-                node.path({file_key, "", "File with the force map of palpate-evaluate tactile"}))
+                node.path({file_key, "", "File with the linear force map of the skin"}))
           : node;
   const config::Node model =
-      holder.child({"model", "", "Force map of palpate-evaluate tactile, where no file is named"});
+      holder.child({"model", "", "Linear force map of the skin, where no file is named"});
   using Result = sensing::LinearTactileModel;
   Result result = model.read(
       OptionTable<Result>()
@@ -92,10 +92,10 @@ sensing::LinearTactileModel read_tactile_model(const config::Node& node,
 }  // namespace
 
 sensing::PayloadParameters read_payload(const config::Node& node) {
-  const config::Node payload =
-      node.child({"payload", "",
-                  "Load of the sensor, as identified by palpate-evaluate payload; required by "
-                  "ft_newton_euler"});
+  const config::Node payload = node.child(
+      {"payload", "",
+       "Load of the sensor, identified from readings in several poses with nothing held; "
+       "required by ft_newton_euler"});
   struct Keys {
     sensing::PayloadParameters parameters;
     Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  // m

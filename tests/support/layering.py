@@ -79,7 +79,7 @@ ALLOWED = {
     "tools/lab/sensor_models": "tools/lab/runs tools/lab/scores tools/lab/studies",
     "tools/lab/faults": "tools/lab/runs tools/lab/unruly",
     "tools/lab/endurance": "tools/lab/runs tools/lab/scores tools/lab/faults",
-    "tools/lab/demo": "tools/lab/runs tools/lab/scores tools/lab/sensor_models",
+    "tools/lab/demo": "tools/lab/runs tools/lab/scores tools/lab/sensor_models tools/lab/uncertainty",
     "tools/lab/fit_check": "",
     # palpate-evaluate's main, which includes every command.
     "tools/lab": "tools/lab/cases tools/lab/demo tools/lab/endurance tools/lab/faults tools/lab/scores "

@@ -168,8 +168,10 @@ int run(CLI::App& app, int argc, char** argv) {
                        "the applications of the thesis with every method, model error and seed",
                        "tools/lab/studies/thesis.yaml", "out/thesis"});
   StudyCommand estimate(app, {"estimate", "estimators of the shape, blind and with observations",
-                              "every estimator on bars and blocks under the grid of model errors",
-                              "tools/lab/studies/estimate.yaml", "out/estimate"});
+                              "every estimator on bars and blocks under model errors: each object "
+                              "is simulated once for each of them and seed, and every method is "
+                              "run on that recording",
+                              "tools/lab/studies/estimate.yaml", "out/estimate", true});
   StudyCommand control(
       app, {"control", "shape control, blind and with observations",
             "controllers on points far from the hand, limits and drop-outs under the grid of model "

@@ -9,9 +9,13 @@
 #include "tools/common/interruption.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/lab/runs/live_run.hpp"
+#include "tools/lab/uncertainty/drawn_error.hpp"
+#include "tools/lab/uncertainty/draws_command.hpp"
 
 namespace palpate::demo {
 namespace {
+
+constexpr int kDraws = 100;  // as in the studies, whose draws these are
 
 struct Stage {
   const char* name;
@@ -42,8 +46,15 @@ std::filesystem::path Demo::log_folder(const std::string& run) const {
 
 runs::Mismatch Demo::mismatch(const std::string& level, const std::string& scene,
                               const std::string& configuration) const {
-  runs::Mismatch mismatch = runs::read_mismatch(file("tools/lab/studies/mismatch.yaml"), level,
-                                                file(scene), file(configuration));
+  const std::string family = level.substr(0, level.find(' '));
+  const std::filesystem::path drawn = uncertainty::distributions_file(options.root, family);
+  runs::Mismatch mismatch = std::filesystem::exists(drawn)
+                                ? uncertainty::draw_mismatch(uncertainty::read_distributions(drawn),
+                                                             uncertainty::LatinHypercube(1, kDraws),
+                                                             std::stoi(level.substr(family.size())),
+                                                             file(scene), file(configuration))
+                                : runs::read_mismatch(file("tools/lab/studies/mismatch.yaml"),
+                                                      level, file(scene), file(configuration));
   const auto prepend = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
     to.insert(to.begin(), from.begin(), from.end());
   };

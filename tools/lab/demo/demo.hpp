@@ -36,8 +36,8 @@ struct Demo {
     return options.root / in_source_tree;
   }
   std::filesystem::path log_folder(const std::string& run) const;
-  /// A level of mismatch.yaml, for these files of the source tree, in addition to the overrides
-  /// given by the user.
+  /// A level of mismatch.yaml, or a draw ("calibrated 3": one of a hundred), for these files of the
+  /// source tree, in addition to the overrides given by the user.
   runs::Mismatch mismatch(const std::string& level, const std::string& scene,
                           const std::string& configuration) const;
 };

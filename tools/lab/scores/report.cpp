@@ -63,7 +63,9 @@ Json to_json(const ShapeScore& shape) {
             {"not_current", shape.not_current},
             {"largest_displacement_mm", shape.largest_displacement * 1e3},
             {"whole_run", to_json(shape.whole, shape.length, shape.largest_displacement)},
-            {"at_rest", to_json(shape.at_holds(), shape.length, shape.largest_displacement)}};
+            {"at_rest", to_json(shape.at_holds(), shape.length, shape.largest_displacement)},
+            {"in_motion", to_json(shape.in_motion, shape.length, shape.largest_displacement)}};
+  json["at_rest"]["median_pose_mm"] = shape.median_hold() * 1e3;
   for (const HoldScore& hold : shape.holds) {
     Json pose = to_json(hold.error, shape.length, hold.displacement);
     pose["begin_s"] = hold.begin;

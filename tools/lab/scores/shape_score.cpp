@@ -22,6 +22,18 @@ math::Pose grasp_pose(const truth_contact_t& contact) {
 
 double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
+/// Samples outside of all holds of a run that started at `start`, us.
+std::vector<ShapeErrorSample> moving(const std::vector<ShapeErrorSample>& samples,
+                                     const std::vector<Interval>& holds, std::int64_t start) {
+  std::vector<ShapeErrorSample> kept;
+  std::copy_if(samples.begin(), samples.end(), std::back_inserter(kept), [&](const auto& sample) {
+    return std::none_of(holds.begin(), holds.end(), [&](const Interval& hold) {
+      return seconds(hold.begin - start) <= sample.time && sample.time <= seconds(hold.end - start);
+    });
+  });
+  return kept;
+}
+
 }  // namespace
 
 ErrorSummary summarise(const std::vector<ShapeErrorSample>& samples, std::size_t first,
@@ -51,6 +63,14 @@ ErrorSummary ShapeScore::at_holds() const {
   }
   summary.rms = std::sqrt(squares);
   return summary;
+}
+
+double ShapeScore::median_hold() const {
+  if (holds.empty()) return whole.mean;
+  std::vector<double> means;
+  for (const HoldScore& hold : holds) means.push_back(hold.error.mean);
+  std::sort(means.begin(), means.end());
+  return 0.5 * (means[(means.size() - 1) / 2] + means[means.size() / 2]);
 }
 
 std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, double least) {
@@ -110,6 +130,8 @@ ShapeScore score_shape(const log::RunLog& run, const math::Pose& X_OP) {
   score.whole = summarise(score.samples, 0, score.samples.size());
 
   const std::vector<Interval> holds = find_holds(run.truth_contacts, kLeastHold);
+  const std::vector<ShapeErrorSample> motion_samples = moving(score.samples, holds, start);
+  score.in_motion = summarise(motion_samples, 0, motion_samples.size());
   for (std::size_t h = 0; h < holds.size(); ++h) {
     HoldScore hold;
     hold.begin = seconds(holds[h].begin - start);

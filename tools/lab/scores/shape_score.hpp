@@ -39,6 +39,7 @@ struct ShapeScore {
   double length = 0;  // m, largest side of the object
   std::vector<ShapeErrorSample> samples;
   ErrorSummary whole;
+  ErrorSummary in_motion;           // outside the intervals in which the hand stood still; 0: none
   std::vector<HoldScore> holds;     // the poses, without the initial one
   double largest_displacement = 0;  // m
   long shapes = 0;
@@ -46,6 +47,8 @@ struct ShapeScore {
 
   /// Over the ends of all holds; the whole run if there is none.
   ErrorSummary at_holds() const;
+  /// Median over the holds of their mean errors, which one hold cannot decide, m.
+  double median_hold() const;
 };
 
 /// Mean, RMS and maximum of samples[first, last).

@@ -122,6 +122,9 @@ int run_payload(const PayloadOptions& options, std::ostream& out) {
     for (const PayloadScore& score : scores) json.push_back(to_json(score));
     common::write_json(json, options.json);
   }
+  if (scores.empty())
+    throw std::runtime_error("no recording was found below " + options.data.string() +
+                             "; this command scores " + kRecordings[0].folder + " and others");
   const bool all_met = std::all_of(scores.begin(), scores.end(),
                                    [](const PayloadScore& score) { return score.met(); });
   return all_met ? 0 : 1;

@@ -267,6 +267,9 @@ int run_tactile(const TactileOptions& options, std::ostream& out) {
   const std::filesystem::path force_file = options.data / "biotac_foam_bar/ring_finger_dev.csv";
   const std::filesystem::path normal_file =
       options.data / "biotac_normal_dir/trial1_plate_contact.csv.gz";
+  if (!std::filesystem::exists(force_file) &&
+      (!options.model.empty() || !std::filesystem::exists(normal_file)))
+    throw std::runtime_error("no recording was found: there is no " + force_file.string());
   bool met = true;
   nlohmann::json json;
   if (std::filesystem::exists(force_file)) {

@@ -344,10 +344,8 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   }
   for (std::size_t i = 0; i < work.tasks.size(); ++i)
     report.results[i].json = result_of(work.tasks[i]);
-  if (study_.replayed)
-    print_errors(report, o.cap, out);
-  else
-    print_study(report, out);
+  if (study_.replayed) print_errors(report, o.cap, out);
+  print_study(report, out);
   print_failures(report, out);
   write_study(report);
   if (!o.json.empty())

@@ -229,9 +229,11 @@ void run_replayed_job(const StudyJob& job, const std::string& inputs_hash, const
   replay(scene_of(job), recording, job.daemon_overrides, folder, kJobPatience, reader);
 
   scores::ScoredRun scored = scored_run(job);
-  const math::Pose X_WO = frames_of(job).X_WO;
-  const config::Node scene = config::Node::load_file(job.scene.string(), job.scene_overrides);
-  const math::Pose X_OP = X_WO.inverse() * scenes::read_scene(scene).X_WO;
+  const registry::Frames frames = frames_of(job);
+  const math::Pose& X_WO = frames.X_WO;
+  const scenes::Scene scene =
+      scenes::read_scene(config::Node::load_file(job.scene.string(), job.scene_overrides));
+  const math::Pose X_OP = X_WO.inverse() * scene.X_WO;
   scored.shape = scores::score_shape(log, X_OP);
   Json result = result_head(job, inputs_hash, "replayed");
   result["score"] = to_json(scored);
@@ -241,9 +243,11 @@ void run_replayed_job(const StudyJob& job, const std::string& inputs_hash, const
     state["picture"] = pictures ? picture_of(states[i], i + 1, X_WO, folder) : "";
     result["states"].push_back(std::move(state));
   }
+  result["belief"] = to_json(scores::score_belief(log, X_OP));
+  if (!scene.pokes.empty() && !log.estimates.empty())
+    result["pokes"] =
+        to_json(score_pokes(scene.pokes, log, *scored.shape, frames, X_OP), scored.shape->length);
   result["shape_error"] = shape_curve(*scored.shape);
-  if (!log.estimates.empty())
-    result["young_modulus_kPa"] = 1e-3 * std::exp(log.estimates.back().log_young_modulus);
   write_result(result, folder);
 }
 

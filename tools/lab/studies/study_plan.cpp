@@ -88,14 +88,23 @@ std::pair<std::string, int> split_draw(const std::string& name) {
   return {name.substr(0, space), std::stoi(number)};
 }
 
-/// The draws of a level that names a file of distributions; empty for another.
-std::vector<runs::Mismatch> drawn_levels(const config::Node& node, const fs::path& root,
-                                         const std::string& name,
-                                         const uncertainty::LatinHypercube& sample,
-                                         const StudyApplication& application) {
+/// Whether draw `index` is of this application's object, if the object is drawn as well.
+bool holds_object(const StudyApplication& application, const uncertainty::LatinHypercube& sample,
+                  int index) {
+  if (application.objects == 0) return true;
+  const double share = sample.at("object", index - 1);
+  return static_cast<int>(share * application.objects) == application.object - 1;
+}
+
+/// The draws of a level that names a file of distributions; nothing for another.
+std::optional<std::vector<runs::Mismatch>> drawn_levels(const config::Node& node,
+                                                        const fs::path& root,
+                                                        const std::string& name,
+                                                        const uncertainty::LatinHypercube& sample,
+                                                        const StudyApplication& application) {
   const auto [family, index] = split_draw(name);
   const fs::path file = uncertainty::distributions_file(root, family);
-  if (!fs::exists(file)) return {};
+  if (!fs::exists(file)) return std::nullopt;
   if (index > sample.count() || (index == 0 && family != name))
     node.fail("mismatch", "\"" + name + "\" is not among the draws; allowed: 1 to " +
                               std::to_string(sample.count()));
@@ -103,8 +112,9 @@ std::vector<runs::Mismatch> drawn_levels(const config::Node& node, const fs::pat
   std::vector<runs::Mismatch> levels;
   const int first = index > 0 ? index : 1, last = index > 0 ? index : sample.count();
   for (int i = first; i <= last; ++i)
-    levels.push_back(uncertainty::draw_mismatch(distributions, sample, i, application.scene,
-                                                application.configuration));
+    if (holds_object(application, sample, i))
+      levels.push_back(uncertainty::draw_mismatch(distributions, sample, i, application.scene,
+                                                  application.configuration));
   return levels;
 }
 
@@ -127,11 +137,11 @@ std::vector<runs::Mismatch> chosen_levels(const config::Node& node, const fs::pa
   if (!selection.levels.empty()) chosen = selection.levels;
   std::vector<runs::Mismatch> levels;
   for (const std::string& name : chosen) {
-    std::vector<runs::Mismatch> drawn = drawn_levels(node, root, name, sample, application);
-    if (drawn.empty())
-      drawn.push_back(
-          runs::read_mismatch(file, name, application.scene, application.configuration));
-    for (runs::Mismatch& level : drawn)
+    std::optional<std::vector<runs::Mismatch>> drawn =
+        drawn_levels(node, root, name, sample, application);
+    if (!drawn)
+      drawn = {runs::read_mismatch(file, name, application.scene, application.configuration)};
+    for (runs::Mismatch& level : *drawn)
       if (std::none_of(levels.begin(), levels.end(),
                        [&level](const auto& other) { return other.name == level.name; }))
         levels.push_back(std::move(level));
@@ -189,6 +199,19 @@ runs::ControlTarget read_target(const config::Node& node, const std::string& nam
   return target;
 }
 
+/// Which of several objects a draw holds.
+void read_object(const config::Node& node, StudyApplication& application) {
+  const std::vector<double> place = node.numbers(
+      {"drawn_object", "",
+       "[1, 4]: this application has the first of four objects, of which each draw holds one; "
+       "default: it has every draw"},
+      2, {1, 100});
+  application.object = static_cast<int>(place[0]);
+  application.objects = static_cast<int>(place[1]);
+  if (application.object != place[0] || application.objects != place[1] || place[0] > place[1])
+    node.fail("drawn_object", "wants a number and how many there are");
+}
+
 /// Properties of the scene's own motion.
 void read_motion(const config::Node& node, StudyApplication& application) {
   const config::Node scene = config::Node::load_file(application.scene.string());
@@ -218,6 +241,7 @@ StudyApplication read_application(const config::Node& node, const fs::path& root
   application.configuration = source_file(
       node, {"configuration", "", "configuration of palpated, relative to palpate's folder"}, root);
   application.methods = chosen_methods(node, root);
+  if (node.has("drawn_object")) read_object(node, application);
   application.levels = chosen_levels(node, root, application, levels);
   add_settings(
       node.child_or_empty({"also", "", "settings by method or model error, after its own"}),

@@ -32,6 +32,7 @@ struct StudyApplication {
   std::filesystem::path configuration;
   std::vector<runs::Method> methods;
   std::vector<runs::Mismatch> levels;
+  int object = 0, objects = 0;  // the object is this one of so many that are drawn; 0: not drawn
   std::vector<int> seeds;
   double duration = 0;                        // s, simulated
   std::vector<StudyState> states;             // empty: the poses that the hand holds

@@ -15,7 +15,8 @@ constexpr const char* kHead =
     "model error.\n\n";
 
 /// Plans that together use every key.
-constexpr const char* kPlans[] = {"thesis.yaml", "control.yaml", "published_control.yaml"};
+constexpr const char* kPlans[] = {"thesis.yaml", "control.yaml", "published_control.yaml",
+                                  "drawn_sensing.yaml", "drawn_control.yaml"};
 
 }  // namespace
 

@@ -6,8 +6,9 @@
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/recorded_mesh.hpp"
 
-// The figures of reference solutions on the meshes of the 2018 system: hard foam, the face x = 0
-// fixed, a total force distributed equally over the nodes of the face x = max.
+// Regression values on the meshes of the 2018 system, of these solvers' own earlier runs, since the
+// thesis prints none: hard foam, the face x = 0 fixed, a total force distributed equally over the
+// nodes of the face x = max.
 namespace palpate::elasticity {
 namespace {
 
@@ -44,17 +45,17 @@ struct StaticCase {
   double force;         // N
   double linear;        // mm, tip along the axis
   double corotational;  // mm
-  double shortening;    // mm, u_x of the tip; 0: not printed
+  double shortening;    // mm, u_x of the tip; 0: not recorded
 };
 
 class ThesisStatics : public testing::TestWithParam<StaticCase> {};
 
-TEST_P(ThesisStatics, TipsAreThePrintedOnes) {
+TEST_P(ThesisStatics, TipsAreThoseRecorded) {
   PALPATE_REQUIRE_RECORDING("thesis_meshes");
   const StaticCase& c = GetParam();
   const LoadedBody bar(c.mesh, c.young_modulus);
   const Matrix3Xd loads = bar.load(c.force * Vector3d::Unit(c.axis));
-  // 0.1 %, or half of the last digit printed.
+  // 0.1 %, or half of the last digit recorded.
   const auto tolerance = [](double value) { return std::max(1e-3 * std::abs(value), 0.5e-4); };
 
   const double linear = 1e3 * bar.tip_mean(solve_linear_statics(bar.body, loads))(c.axis);
@@ -82,7 +83,7 @@ TEST_P(ThesisStatics, TipsAreThePrintedOnes) {
             2e-3 * (s.positions - bar.body.mesh.nodes).colwise().norm().maxCoeff());
 }
 
-INSTANTIATE_TEST_SUITE_P(Printed, ThesisStatics,
+INSTANTIATE_TEST_SUITE_P(Recorded, ThesisStatics,
                          testing::Values(StaticCase{"bar", 3800, 2, 2e-3, 5.1467, 5.1437, -0.0762},
                                          StaticCase{"bar", 3800, 2, 20e-3, 51.467, 48.644, -6.934},
                                          StaticCase{"bar", 3800, 0, 2e-3, 0.0665, 0.0665, 0},
@@ -99,15 +100,15 @@ INSTANTIATE_TEST_SUITE_P(Printed, ThesisStatics,
 
 struct StepResponse {
   const char* mesh;
-  double force;                   // N, along z
-  std::array<double, 5> printed;  // mm, after 1, 10, 50, 100 and 200 steps
-  double settling;                // s, last time more than 5 % away from the end
-  double settling_digit;          // s, last digit printed
+  double force;                    // N, along z
+  std::array<double, 5> recorded;  // mm, after 1, 10, 50, 100 and 200 steps
+  double settling;                 // s, last time more than 5 % away from the end
+  double settling_digit;           // s, last digit recorded
 };
 
 class ThesisStepResponse : public testing::TestWithParam<StepResponse> {};
 
-TEST_P(ThesisStepResponse, IsThePrintedOneToItsDigits) {
+TEST_P(ThesisStepResponse, IsTheRecordedOne) {
   PALPATE_REQUIRE_RECORDING("thesis_meshes");
   const StepResponse& c = GetParam();
   const LoadedBody bar(c.mesh);
@@ -124,7 +125,7 @@ TEST_P(ThesisStepResponse, IsThePrintedOneToItsDigits) {
   std::printf("%s:", c.mesh);
   for (int k = 0; k < 5; ++k) {
     std::printf(" %.3f", tip[kSteps[k]]);
-    EXPECT_NEAR(tip[kSteps[k]], c.printed[k], 0.5001e-3) << "after " << kSteps[k] << " steps";
+    EXPECT_NEAR(tip[kSteps[k]], c.recorded[k], 0.5001e-3) << "after " << kSteps[k] << " steps";
   }
   int last_outside = 0;
   for (int i = 0; i <= 500; ++i) {
@@ -139,7 +140,7 @@ TEST_P(ThesisStepResponse, IsThePrintedOneToItsDigits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Printed, ThesisStepResponse,
+    Recorded, ThesisStepResponse,
     testing::Values(StepResponse{"bar", 2e-3, {0.278, 6.188, 5.748, 5.092, 5.144}, 1.34, 0.01},
                     StepResponse{"bar_long", 1e-3, {0.052, 1.275, 10.461, 7.936, 8.561}, 4.3, 0.1},
                     StepResponse{"block", 0.1, {0.364, 4.109, 2.958, 2.939, 2.938}, 0.68, 0.01}));

@@ -1,4 +1,5 @@
-// Ranking of what explains wrenches that contradict the model, in worlds of another model.
+// Ranking of what explains wrenches that contradict the model, in worlds of the same model with
+// other parameters.
 #include "core/estimation/consistency/explanations.hpp"
 
 #include <gtest/gtest.h>

@@ -85,8 +85,11 @@ TEST(ShapeScore, HoldsAreScoredAtTheirEnd) {
   EXPECT_NEAR(score.holds[0].error.mean, 2e-3, 1e-5);
   EXPECT_NEAR(score.holds[1].error.mean, 1e-3, 1e-5);
   EXPECT_NEAR(score.at_holds().mean, 1.5e-3, 1e-5);
+  EXPECT_NEAR(score.median_hold(), 1.5e-3, 1e-5);
   EXPECT_NEAR(score.at_holds().maximum, 2e-3, 1e-5);
   EXPECT_NEAR(score.whole.maximum, 10e-3, 1e-5);
+  // 2 s of motion with 10 mm, 1 s with 2 mm, 1 s with 1 mm.
+  EXPECT_NEAR(score.in_motion.mean, 5.75e-3, 0.4e-3);
 }
 
 TEST(ShapeScore, MissingTruthAndNumbersThatAreNoneAreRefused) {

@@ -49,9 +49,9 @@ TEST(Payload, MotionAgreesWithTheStaticPosesAndNeedsTheInertialUnit) {
   EXPECT_LT(moving.fit.force_rms, 0.7 * gravity.fit.force_rms);
 }
 
-TEST(Payload, SaysWhichRecordingsAreAbsent) {
+TEST(Payload, AFolderWithoutItsRecordingsIsAnError) {
   std::ostringstream out;
-  EXPECT_EQ(run_payload({"/nowhere", ""}, out), 0);
+  EXPECT_THROW(run_payload({"/nowhere", ""}, out), std::runtime_error);
   EXPECT_NE(out.str().find("ft_static_ati: absent"), std::string::npos);
 }
 

@@ -52,5 +52,12 @@ TEST(Tactile, WritesItsMapAsYamlThatReadsBack) {
   EXPECT_EQ(node.vector3("offset"), model.offset);
 }
 
+TEST(Tactile, AFolderWithoutItsRecordingsIsAnError) {
+  std::ostringstream out;
+  EXPECT_THROW(run_tactile({"/nowhere", "", ""}, out), std::runtime_error);
+  EXPECT_THROW(run_tactile({support::recordings() / "biotac_normal_dir", "model.yaml", ""}, out),
+               std::runtime_error);
+}
+
 }  // namespace
 }  // namespace palpate::sensor_models

@@ -76,12 +76,39 @@ TEST_P(OwnPlan, IsWhole) {
     EXPECT_GT(job.duration, 0) << job.name;
   }
   EXPECT_EQ(folders.size(), jobs.size());
-  EXPECT_EQ(kinds.count("force"), std::string(GetParam()) == "control" ? 0u : 1u);
-  EXPECT_EQ(kinds.count("control"), std::string(GetParam()) == "estimate" ? 0u : 1u);
+  const std::string study = GetParam();
+  EXPECT_EQ(kinds.count("force"), study == "control" || study == "drawn_control" ? 0u : 1u);
+  EXPECT_EQ(kinds.count("control"), study == "estimate" || study == "drawn_sensing" ? 0u : 1u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Studies, OwnPlan, testing::Values("thesis", "estimate", "control"),
+INSTANTIATE_TEST_SUITE_P(Studies, OwnPlan,
+                         testing::Values("thesis", "estimate", "control", "drawn_sensing",
+                                         "drawn_control"),
                          [](const auto& study) { return std::string(study.param); });
+
+TEST_F(StudyPlanTest, EachDrawHoldsOneObject) {
+  LevelSelection selection;
+  selection.levels = {"calibrated"};
+  selection.draws = 10;
+  const StudyPlan plan = read_study_plan(kStudyPlanRoot / "tools/lab/studies/drawn_sensing.yaml",
+                                         kStudyPlanRoot, selection);
+  std::multiset<std::string> draws;
+  for (const StudyApplication& application : plan.applications) {
+    if (application.name.find("six poses") != 0) continue;
+    EXPECT_GE(application.levels.size(), 2u) << application.name;
+    for (const runs::Mismatch& level : application.levels) draws.insert(level.name);
+  }
+  ASSERT_EQ(draws.size(), 10u);
+  EXPECT_EQ(std::set<std::string>(draws.begin(), draws.end()).size(), 10u);
+}
+
+TEST_F(StudyPlanTest, ObjectOutsideOfThoseDrawnIsRefused) {
+  for (const char* wrong : {"[3, 2]", "[1.5, 2]", "[0, 2]"})
+    EXPECT_THAT(error_of("mismatch: [none]",
+                         "drawn_object: " + std::string(wrong) + "\n    mismatch: [none]"),
+                HasSubstr("drawn_object"))
+        << wrong;
+}
 
 TEST_F(StudyPlanTest, ForceBasedSensingIsOfBarAndBlockSoftAndHard) {
   const StudyPlan plan =
@@ -95,7 +122,7 @@ TEST_F(StudyPlanTest, ForceBasedSensingIsOfBarAndBlockSoftAndHard) {
     ASSERT_NE(main, plan.applications.end()) << object;
     EXPECT_EQ(main->configuration.stem(), object);
     EXPECT_EQ(main->methods.size(), 3u) << object;
-    EXPECT_EQ(main->levels.size(), 2u) << object;
+    EXPECT_EQ(main->levels.size(), 1u) << object;
     EXPECT_EQ(main->pose_points.size(), 3u) << object;
     const auto published = application_of(object + std::string("_six_poses_thesis"));
     ASSERT_NE(published, plan.applications.end()) << object;
@@ -112,7 +139,7 @@ TEST_F(StudyPlanTest, EachModelErrorStandsAlone) {
     change.insert(change.end(), job.daemon_overrides.begin(), job.daemon_overrides.end());
     EXPECT_TRUE(changes.insert(change).second) << job.name;
   }
-  EXPECT_EQ(changes.size(), 2u * 8);
+  EXPECT_EQ(changes.size(), 2u * 7);
 }
 
 TEST_F(StudyPlanTest, EveryMethodLevelAndSeedIsAJob) {
