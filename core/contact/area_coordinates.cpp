@@ -15,14 +15,14 @@ AreaCoordinates::AreaCoordinates(const mesh::ElementMesh& mesh, const mesh::Surf
   math::check_option(triangles_.cols() > 0, "surface", triangles_.cols(), "at least one triangle");
   fixed_.reserve(options.fixed_rest_points.size());
   for (const Eigen::Vector3d& point : options.fixed_rest_points)
-    fixed_.push_back(closest_point_on_surface(point, triangles_, rest_positions_));
+    fixed_.push_back(mesh::closest_point_on_surface(point, triangles_, rest_positions_));
 }
 
 int AreaCoordinates::max_nodes() const noexcept {
   return 3 * std::max(1, static_cast<int>(fixed_.size()));
 }
 
-bool AreaCoordinates::push(const SurfacePoint& point, const Eigen::Vector3d& force,
+bool AreaCoordinates::push(const mesh::SurfacePoint& point, const Eigen::Vector3d& force,
                            ContactLoads& out) const noexcept {
   for (int i = 0; i < 3; ++i)
     if (!out.push(triangles_(i, point.triangle), point.weights[i] * force)) return false;
@@ -40,10 +40,10 @@ void AreaCoordinates::distribute(const sensing::Contact& contact, const Eigen::M
   bool fits = true;
   if (!fixed_.empty()) {
     const Eigen::Vector3d share = contact.wrench.force / static_cast<double>(fixed_.size());
-    for (const SurfacePoint& point : fixed_) fits = fits && push(point, share, out);
+    for (const mesh::SurfacePoint& point : fixed_) fits = fits && push(point, share, out);
   } else {
     const bool at_rest_point = contact.source == sensing::Source::kManual;
-    const SurfacePoint point = closest_point_on_surface(
+    const mesh::SurfacePoint point = mesh::closest_point_on_surface(
         contact.location, triangles_, at_rest_point ? rest_positions_ : positions);
     if (point.triangle < 0 || !(point.distance <= collision_distance_)) return;
     fits = push(point, contact.wrench.force, out);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/contact/force_transformer.hpp"
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 
 namespace palpate::contact {
 
@@ -31,13 +31,13 @@ class AreaCoordinates : public ForceTransformer {
                   ContactLoads& out) noexcept override;
 
  private:
-  bool push(const SurfacePoint& point, const Eigen::Vector3d& force,
+  bool push(const mesh::SurfacePoint& point, const Eigen::Vector3d& force,
             ContactLoads& out) const noexcept;
 
   double collision_distance_;
   Eigen::Matrix3Xd rest_positions_;
   Eigen::Matrix3Xi triangles_;
-  std::vector<SurfacePoint> fixed_;
+  std::vector<mesh::SurfacePoint> fixed_;
 };
 
 }  // namespace palpate::contact

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 
 namespace palpate::contact {
 namespace {
@@ -102,9 +102,9 @@ void SurfaceMatcher::look_closely(int index, const Vector3d& p, Place& best) con
   for (int part = 0; part < parts; ++part) {
     const int whole[3] = {0, 1, 2};
     const int* corners = parts == 4 ? kParts[part] : whole;
-    const SurfacePoint found =
-        closest_point_on_triangle(p, x.col(face.nodes[corners[0]]), x.col(face.nodes[corners[1]]),
-                                  x.col(face.nodes[corners[2]]));
+    const mesh::SurfacePoint found = mesh::closest_point_on_triangle(
+        p, x.col(face.nodes[corners[0]]), x.col(face.nodes[corners[1]]),
+        x.col(face.nodes[corners[2]]));
     const double squared = found.distance * found.distance;
     if (!(squared < best.squared)) continue;
     best.squared = squared;

@@ -133,10 +133,10 @@ void WrenchPatch::distribute(const sensing::Contact& contact, const Eigen::Matri
 
   const bool at_rest_point = contact.source == sensing::Source::kManual;
   Eigen::Vector3d location = contact.location;
-  SurfacePoint touched;
+  mesh::SurfacePoint touched;
   if (at_rest_point || !fixed_) {
-    touched =
-        closest_point_on_surface(location, triangles_, at_rest_point ? rest_positions_ : positions);
+    touched = mesh::closest_point_on_surface(location, triangles_,
+                                             at_rest_point ? rest_positions_ : positions);
     if (touched.triangle < 0 || !(touched.distance <= options_.collision_distance)) return;
   }
   if (at_rest_point) {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/contact/force_transformer.hpp"
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 #include "core/mesh/point_locator.hpp"
 
 namespace palpate::contact {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/contact/surface_search.hpp"
 #include "core/estimation/nodal_loads.hpp"
 #include "core/math/option_check.hpp"
+#include "core/mesh/closest_point.hpp"
 
 namespace palpate::estimation {
 namespace {
@@ -139,8 +139,8 @@ void FingertipDriven::gather(const EstimationInputs& inputs, double dt,
 
 /// Moves a contact to the material point nearest to its location; its force is kept.
 void FingertipDriven::touch(Touch& touch, elasticity::DeformationModel& model) noexcept {
-  const contact::SurfacePoint found =
-      contact::closest_point_on_surface(touch.place, triangles_, model.positions());
+  const mesh::SurfacePoint found =
+      mesh::closest_point_on_surface(touch.place, triangles_, model.positions());
   touch.triangle = found.triangle;
   const Vector3d& w = found.weights;
   mesh::PointWeights& point = touch.point;

@@ -14,6 +14,7 @@ import tempfile
 ALLOWED = {
     "core/math": "",
     "core/mesh": "core/math",
+    "core/collision": "core/math core/mesh",
     "core/factor": "core/math",
     "core/elasticity": "core/math core/mesh core/factor",
     "core/solid": "core/math core/factor core/elasticity",

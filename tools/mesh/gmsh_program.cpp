@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 #include "core/mesh/connectivity.hpp"
 #include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/mesh_writer.hpp"
@@ -103,8 +103,8 @@ class Lookup {
       if (members == cells_.end()) return;
       for (const int t : members->second) {
         const auto corner = [&](int i) { return surface_.points.col(surface_.triangles(i, t)); };
-        const contact::SurfacePoint q =
-            contact::closest_point_on_triangle(p, corner(0), corner(1), corner(2));
+        const mesh::SurfacePoint q =
+            mesh::closest_point_on_triangle(p, corner(0), corner(1), corner(2));
         if (!(q.distance < best)) continue;
         best = q.distance;
         nearest = q.position;

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 
 namespace palpate::scores {
 namespace {
@@ -52,9 +52,9 @@ class SurfaceTree {
 
   double distance_to(Eigen::Index triangle, const Eigen::Vector3d& point) const {
     const auto corners = surface_.triangles.col(triangle);
-    return contact::closest_point_on_triangle(point, surface_.points.col(corners[0]),
-                                              surface_.points.col(corners[1]),
-                                              surface_.points.col(corners[2]))
+    return mesh::closest_point_on_triangle(point, surface_.points.col(corners[0]),
+                                           surface_.points.col(corners[1]),
+                                           surface_.points.col(corners[2]))
         .distance;
   }
 

@@ -100,8 +100,8 @@ RC_GTEST_PROP(AreaCoordinatesProperty, KeepsForceAndItsMomentAboutTheProjectedPo
   loads.loads.reserve(transformer.max_nodes());
   transformer.distribute(contact, box.positions, loads);
   RC_ASSERT(loads.accepted);
-  const SurfacePoint projected =
-      closest_point_on_surface(contact.location, box.surface.triangles, box.positions);
+  const mesh::SurfacePoint projected =
+      mesh::closest_point_on_surface(contact.location, box.surface.triangles, box.positions);
   const math::Wrench total = sum(loads, box.positions, projected.position);
   RC_ASSERT((total.force - contact.wrench.force).norm() < 1e-10);
   RC_ASSERT(total.torque.norm() < 1e-10);
@@ -109,7 +109,7 @@ RC_GTEST_PROP(AreaCoordinatesProperty, KeepsForceAndItsMomentAboutTheProjectedPo
 
 RC_GTEST_PROP(ClosestPointProperty, NoPointOfTheTriangleIsNearer, ()) {
   const Eigen::Vector3d p = vector(2), a = vector(1), b = vector(1), c = vector(1);
-  const SurfacePoint found = closest_point_on_triangle(p, a, b, c);
+  const mesh::SurfacePoint found = mesh::closest_point_on_triangle(p, a, b, c);
   RC_ASSERT(found.weights.minCoeff() >= 0);
   RC_ASSERT(std::abs(found.weights.sum() - 1) < 1e-12);
   const Eigen::Vector3d q = found.weights[0] * a + found.weights[1] * b + found.weights[2] * c;

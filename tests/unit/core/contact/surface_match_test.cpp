@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 
 namespace palpate::contact {
 namespace {
@@ -50,8 +50,9 @@ TEST_F(SurfaceMatchTest, CurvedFacesFollowAnArcThatFlatOnesCut) {
     EXPECT_GT(match.normal.dot(normal), 0.999);
     worst = std::max(worst, std::abs(match.normal.dot(p - match.position) - distance));
     worst_flat = std::max(
-        worst_flat, std::abs(closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance -
-                             std::abs(distance)));
+        worst_flat,
+        std::abs(mesh::closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance -
+                 std::abs(distance)));
     Vector3d interpolated = Vector3d::Zero(), weights = Vector3d::Zero();
     for (int k = 0; k < match.count; ++k) {
       interpolated += match.weights[k] * mesh_.nodes.col(match.nodes[k]);
@@ -71,7 +72,7 @@ TEST_F(SurfaceMatchTest, OnFlatFacesItFindsWhatAnExhaustiveSearchFinds) {
   for (int i = 0; i < 300; ++i) {
     const Vector3d p(somewhere(random), somewhere(random), somewhere(random));
     EXPECT_NEAR(matcher_->find(p).distance,
-                closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance, 1e-12);
+                mesh::closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance, 1e-12);
   }
 }
 

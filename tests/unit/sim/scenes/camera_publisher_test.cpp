@@ -9,7 +9,7 @@
 #include <map>
 #include <thread>
 
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 #include "tests/unit/sim/scenes/stage.hpp"
 
 namespace palpate::scenes {
@@ -78,7 +78,7 @@ TEST(CameraPublisher, PointsLieOnThePlantWhileItMoves) {
     for (int i = 0; i < m.count; i += 4) {
       const Eigen::Vector3d p = Eigen::Map<const Eigen::Vector3f>(m.points[i]).cast<double>();
       const double d =
-          contact::closest_point_on_surface(p, s.plant().surface_triangles(), shape).distance;
+          mesh::closest_point_on_surface(p, s.plant().surface_triangles(), shape).distance;
       squares += d * d;
       ++count;
     }

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/contact/surface_search.hpp"
 #include "core/math/random.hpp"
+#include "core/mesh/closest_point.hpp"
 
 namespace palpate::scores {
 namespace {
@@ -87,10 +87,9 @@ TEST(SurfaceDistance, NearestTriangleIsThatOfAnExhaustiveSearch) {
   for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = anywhere(0.5);
   const Eigen::VectorXd distances = distances_to_surface(points, soup);
   for (Eigen::Index i = 0; i < points.cols(); ++i)
-    ASSERT_NEAR(
-        distances[i],
-        contact::closest_point_on_surface(points.col(i), soup.triangles, soup.points).distance,
-        1e-12);
+    ASSERT_NEAR(distances[i],
+                mesh::closest_point_on_surface(points.col(i), soup.triangles, soup.points).distance,
+                1e-12);
 }
 
 TEST(SurfaceDistance, ShiftedCubeHasItsAnalyticDistances) {

@@ -1,10 +1,10 @@
-#include "core/contact/surface_search.hpp"
+#include "core/mesh/closest_point.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 
-namespace palpate::contact {
+namespace palpate::mesh {
 namespace {
 
 /// Parameter in [0, 1] of the point of the segment from `a` to `b` nearest to `p`.
@@ -73,4 +73,4 @@ SurfacePoint closest_point_on_surface(const Eigen::Vector3d& p, const Eigen::Mat
   return best;
 }
 
-}  // namespace palpate::contact
+}  // namespace palpate::mesh

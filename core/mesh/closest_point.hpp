@@ -2,7 +2,7 @@
 
 #include "core/mesh/surface.hpp"
 
-namespace palpate::contact {
+namespace palpate::mesh {
 
 /// Point on a triangulated surface.
 struct SurfacePoint {
@@ -23,4 +23,4 @@ SurfacePoint closest_point_on_triangle(const Eigen::Vector3d& p, const Eigen::Ve
 SurfacePoint closest_point_on_surface(const Eigen::Vector3d& p, const Eigen::Matrix3Xi& triangles,
                                       const Eigen::Matrix3Xd& positions) noexcept;
 
-}  // namespace palpate::contact
+}  // namespace palpate::mesh

@@ -1,0 +1,129 @@
+#include "core/collision/obstacle.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::collision {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegenerate = 1e-12;  // m, distance from a centre or an axis
+
+/// Signed distance and its gradient in the frame of a shape.
+struct Near {
+  double distance;
+  Vector3d normal;
+};
+
+Near from_center(const Vector3d& way, double radius, const Vector3d& otherwise) noexcept {
+  const double away = way.norm();
+  return {away - radius, away > kDegenerate ? Vector3d(way / away) : otherwise};
+}
+
+/// From the excess over the bounds of a convex product of intervals: `excess`: signed distances
+/// from its faces, `outward`: their normals. Inside the nearest face counts, outside all exceeded.
+template <int kFaces>
+Near from_faces(const std::array<double, kFaces>& excess,
+                const std::array<Vector3d, kFaces>& outward) noexcept {
+  int nearest = 0;
+  Vector3d way = Vector3d::Zero();
+  for (int k = 0; k < kFaces; ++k) {
+    if (excess[k] > excess[nearest]) nearest = k;
+    if (excess[k] > 0) way += excess[k] * outward[k];
+  }
+  const double away = way.norm();
+  if (away > kDegenerate) return {away, way / away};
+  return {excess[nearest], outward[nearest]};
+}
+
+Near near(const HalfSpace& /*plane*/, const Vector3d& p) noexcept {
+  return {p.z(), Vector3d::UnitZ()};
+}
+
+Near near(const Box& box, const Vector3d& p) noexcept {
+  std::array<double, 3> excess;
+  std::array<Vector3d, 3> outward;
+  for (int axis = 0; axis < 3; ++axis) {
+    excess[axis] = std::abs(p[axis]) - box.half_size[axis];
+    outward[axis] = std::copysign(1.0, p[axis]) * Vector3d::Unit(axis);
+  }
+  return from_faces<3>(excess, outward);
+}
+
+Near near(const Sphere& sphere, const Vector3d& p) noexcept {
+  return from_center(p, sphere.radius, Vector3d::UnitZ());
+}
+
+Near near(const Cylinder& cylinder, const Vector3d& p) noexcept {
+  const Near mantle = from_center({p.x(), p.y(), 0}, cylinder.radius, Vector3d::UnitX());
+  if (!std::isfinite(cylinder.length)) return mantle;
+  return from_faces<2>({mantle.distance, std::abs(p.z()) - 0.5 * cylinder.length},
+                       {mantle.normal, std::copysign(1.0, p.z()) * Vector3d::UnitZ()});
+}
+
+Near near(const Capsule& capsule, const Vector3d& p) noexcept {
+  const double along = std::clamp(p.z(), -0.5 * capsule.length, 0.5 * capsule.length);
+  return from_center(p - along * Vector3d::UnitZ(), capsule.radius, Vector3d::UnitX());
+}
+
+Near near(const std::shared_ptr<const DistanceGrid>& grid, const Vector3d& p) noexcept {
+  return {grid->distance(p), grid->normal(p)};
+}
+
+struct SizeCheck {
+  static bool is_length(double value) { return value > 0 && std::isfinite(value); }
+  bool operator()(const HalfSpace& /*plane*/) const { return true; }
+  bool operator()(const Box& box) const {
+    return is_length(box.half_size.minCoeff()) && box.half_size.allFinite();
+  }
+  bool operator()(const Sphere& sphere) const { return is_length(sphere.radius); }
+  bool operator()(const Cylinder& cylinder) const {
+    return is_length(cylinder.radius) && cylinder.length > 0;
+  }
+  bool operator()(const Capsule& capsule) const {
+    return is_length(capsule.radius) && is_length(capsule.length);
+  }
+  bool operator()(const std::shared_ptr<const DistanceGrid>& grid) const { return grid != nullptr; }
+};
+
+Vector3d in_shape(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  return obstacle.X_OB.linear().transpose() * (p_O - obstacle.X_OB.translation());
+}
+
+}  // namespace
+
+void Obstacle::check() const {
+  const auto require = [&](bool condition, const char* message) {
+    if (!condition) throw std::invalid_argument("obstacle " + name + ": " + message);
+  };
+  require(std::visit(SizeCheck(), shape), "sizes must be larger than 0 m and finite");
+  require(friction >= 0 && std::isfinite(friction), "friction may not be negative");
+  require(X_OB.matrix().allFinite(), "its pose is not finite");
+}
+
+double distance(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  const Vector3d p = in_shape(obstacle, p_O);
+  return std::visit([&](const auto& shape) { return near(shape, p).distance; }, obstacle.shape);
+}
+
+Vector3d normal(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  const Vector3d p = in_shape(obstacle, p_O);
+  return obstacle.X_OB.linear() *
+         std::visit([&](const auto& shape) { return near(shape, p).normal; }, obstacle.shape);
+}
+
+Eigen::Matrix3d normal_derivative(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  constexpr double kStep = 1e-6;  // m
+  Eigen::Matrix3d derivative;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d step = kStep * Vector3d::Unit(axis);
+    derivative.col(axis) =
+        (normal(obstacle, p_O + step) - normal(obstacle, p_O - step)) / (2 * kStep);
+  }
+  return derivative;
+}
+
+}  // namespace palpate::collision

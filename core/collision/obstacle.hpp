@@ -1,0 +1,56 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/collision/distance_grid.hpp"
+#include "core/math/rigid.hpp"
+
+namespace palpate::collision {
+
+/// Shapes, each in its own frame B. Lengths in m.
+struct HalfSpace {};  // z <= 0
+struct Box {
+  Eigen::Vector3d half_size = Eigen::Vector3d::Constant(0.05);  // about the origin
+};
+struct Sphere {
+  double radius = 0.05;  // about the origin
+};
+struct Cylinder {
+  double radius = 0.03;  // about the axis z
+  double length = std::numeric_limits<double>::infinity();
+};
+struct Capsule {
+  double radius = 0.03;  // about a segment of the axis z
+  double length = 0.1;   // of the segment
+};
+using Shape =
+    std::variant<HalfSpace, Box, Sphere, Cylinder, Capsule, std::shared_ptr<const DistanceGrid>>;
+
+/// Rigid body at rest that a deformable object can touch. O: the object's rest frame.
+struct Obstacle {
+  std::string name;
+  Shape shape;
+  math::Pose X_OB = math::Pose::Identity();
+  double friction = 0.5;  // Coulomb, between obstacle and object, >= 0
+
+  /// Throws std::invalid_argument naming the obstacle if a value is out of range.
+  void check() const;
+};
+
+/// Signed distance of the obstacle's surface, m, negative inside; exact for all shapes but a
+/// DistanceGrid. `p_O`: point in O.
+double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
+
+/// Gradient of the distance at `p_O`, a unit vector in O that points out of the obstacle. Where the
+/// nearest surface point is not unique (a centre, an axis): one of the possible directions.
+Eigen::Vector3d normal(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
+
+/// Derivative of the normal by the point, 1/m: the Hessian of the distance. It contains the
+/// curvature of the surface and is zero on flat ones; undefined at edges. By central differences.
+Eigen::Matrix3d normal_derivative(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
+
+}  // namespace palpate::collision
