@@ -166,8 +166,7 @@ std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& 
     if (node.has("fallback_file")) node.fail("fallback_file", "needs fallback: biotac_linear");
     return nullptr;
   }
-  if (!node.has("fallback_file"))
-    node.fail("fallback", "needs fallback_file, a linear force map");
+  if (!node.has("fallback_file")) node.fail("fallback", "needs fallback_file, a linear force map");
   return make_biotac_linear(node, "fallback_file");
 }
 

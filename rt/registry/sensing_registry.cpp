@@ -65,10 +65,9 @@ sensing::LinearTactileModel::Matrix read_rows(const config::Node& node, const st
 sensing::LinearTactileModel read_tactile_model(const config::Node& node,
                                                const std::string& file_key) {
   const config::Node holder =
-      node.has(file_key)
-          ? config::Node::load_file(
-                node.path({file_key, "", "File with the linear force map of the skin"}))
-          : node;
+      node.has(file_key) ? config::Node::load_file(node.path(
+                               {file_key, "", "File with the linear force map of the skin"}))
+                         : node;
   const config::Node model =
       holder.child({"model", "", "Linear force map of the skin, where no file is named"});
   using Result = sensing::LinearTactileModel;

@@ -21,6 +21,7 @@ DECLARED = "tools/lab/report/figures.yaml"
 STORED = "docs/data/figures.json"
 PAGES = ("README.md", "docs/results.md")
 ALWAYS = ("core", "rt", "sim")  # inputs of every result, besides its own
+SENTENCE = re.compile(r"(-?\d[\d,.]*)([^<|\n]*)(<!-- = (\w+)\.(\w+):(\S+?)( (?!-->)[^\n]*?)? -->)")
 ESCAPED = "\\|"  # in a cell of a table
 BLOCK = re.compile(r"(^<!-- figures ([\w ]+?) -->\n)(.*?)(^<!-- end of figures -->)", re.S | re.M)
 CITED = re.compile(r"([^\n]*?)<!-- = (\w+)\.(\w+):(\S+?)( (?!-->)[^\n]*?)? -->")
@@ -122,7 +123,14 @@ def table_of(names, declarations, results):
 
 
 def written(page, declarations, results):
-    """The page with its tables as the results have them."""
+    """The page with its tables and the figures in its sentences as the results have them."""
+    def figure(cited):
+        value = results.get(cited[4], {}).get("values", {}).get(cited[5])
+        if value is None or cited[2] != (cited[7] or ""):
+            return cited[0]
+        return format(value, cited[6]) + cited[2] + cited[3]
+
+    page = SENTENCE.sub(figure, page)
     return BLOCK.sub(lambda block: block[1] + table_of(block[2].split(), declarations, results) + block[4], page)
 
 

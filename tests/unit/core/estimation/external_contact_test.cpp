@@ -1,8 +1,8 @@
-// Estimation of unmeasured external contacts, over many random ones, in worlds of the estimator's own
-// model and mesh with another modulus and hand's pose and the noise of the sensors' table; and the
-// false alarm rate. Contacts in palpate-sim, another model and mesh, are scored by palpate-evaluate
-// estimate --only pokes. PALPATE_POKES: number of contacts (40); PALPATE_REST_HOURS: of rest (0.05),
-// both in simulated time.
+// Estimation of unmeasured external contacts, over many random ones, in worlds of the estimator's
+// own model and mesh with another modulus and hand's pose and the noise of the sensors' table; and
+// the false alarm rate. Contacts in palpate-sim, another model and mesh, are scored by
+// palpate-evaluate estimate --only pokes. PALPATE_POKES: number of contacts (40);
+// PALPATE_REST_HOURS: of rest (0.05), both in simulated time.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

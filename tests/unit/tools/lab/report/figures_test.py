@@ -51,6 +51,13 @@ class Pages(unittest.TestCase):
         self.assertEqual(self.wrong(line.format("1.26 mm")), [])
         self.assertEqual(len(self.wrong(line.format("1.27 mm"))), 1)
 
+    def test_figures_in_sentences_are_written(self):
+        stored = copy.deepcopy(STORED)
+        stored["sag"]["values"]["mm"] = 24.86
+        page = figures.written(self.page, DECLARED, stored)
+        self.assertIn("It sags by 24.9 mm<!--", page)
+        self.assertEqual(self.wrong(page, stored), [])
+
     def test_another_result_is_found(self):
         stored = copy.deepcopy(STORED)
         stored["sag"]["values"]["mm"] = 1.36
