@@ -1,6 +1,6 @@
 // Time of a step against the number of points in contact: the quadratic bar of 475 nodes slides on
-// a table that its hand presses it onto, with factors computed outside the loop, and the same motion
-// in free air. Thread time, so that other processes count for less.
+// a table that its hand presses it onto, with factors computed outside the loop, and the same
+// motion in free air. Thread time, so that other processes count for less.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
