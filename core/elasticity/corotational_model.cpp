@@ -23,14 +23,19 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       dynamic_(mechanics == Mechanics::kDynamic),
       body_(std::move(body)),
       boundary_(body_),
+      samples_(ObstacleContacts::numbered_samples(body_, options_.contact)),
       motion_(body_, dynamic_),
       potential_(body_, options_, dynamic_),
-      factor_(body_, options_),
-      corrections_(body_, boundary_, potential_, factor_, options_),
+      factor_(body_, options_, samples_),
+      contacts_(options_.contact.obstacles.empty()
+                    ? nullptr
+                    : std::make_unique<ObstacleContacts>(body_, boundary_, factor_,
+                                                         options_.contact, samples_)),
+      corrections_(body_, boundary_, potential_, factor_, contacts_.get(), options_),
       recovery_(body_, boundary_, potential_),
       sensitivity_(body_, boundary_, factor_.warp()),
       x_corrected_(body_.rest),
-      job_(body_, options_) {
+      job_(body_, options_, samples_) {
   using math::check_option;
   check_option(options.iterations >= 1, "iterations", options.iterations, "at least 1");
   check_option(options.halvings >= 0, "halvings", options.halvings, "at least 0");
@@ -61,6 +66,7 @@ void CorotationalModel::reset() noexcept {
   motion_.reset();
   potential_.reset();
   factor_.reset();
+  if (contacts_) contacts_->reset();
   corrections_.forget_failures();
   sensitivity_.invalidate();
   recovery_.forget();
@@ -77,12 +83,18 @@ void CorotationalModel::release(int grasp) noexcept {
 void CorotationalModel::grasps_have_changed() noexcept {
   sensitivity_.invalidate();
   factor_.secants().clear();
+  factor_.columns().clear();
   corrections_.forget_contraction();
   factor_.want_new();
 }
 
 math::Wrench CorotationalModel::reaction(int grasp) const noexcept {
   return boundary_.reaction(grasp, potential_.forces(), motion_.positions());
+}
+
+const std::vector<SurfaceContact>& CorotationalModel::contacts() const noexcept {
+  static const std::vector<SurfaceContact> none;
+  return contacts_ ? contacts_->contacts() : none;
 }
 
 void CorotationalModel::watch_contact(int slot, const mesh::PointWeights& point) noexcept {
@@ -105,6 +117,7 @@ StepReport CorotationalModel::step(double dt) noexcept {
     factor_.want_new();
   }
   potential_.begin_step(boundary_);
+  if (contacts_) contacts_->begin_step(motion_.x(), potential_);
   motion_.begin_step();
 
   double energy = evaluate_prediction(dt);
@@ -121,6 +134,7 @@ StepReport CorotationalModel::step(double dt) noexcept {
     if (recovery_.is_inverted() && report.status == StepStatus::kConverged) {
       report.status = StepStatus::kNotConverged;
     }
+    if (contacts_) contacts_->finish_step(motion_.x());
     motion_.finish_step(dt);
   } else {
     motion_.undo_step();
@@ -136,7 +150,9 @@ StepReport CorotationalModel::step(double dt) noexcept {
   sensitivity_.turn(ticks_ % kLookPeriod, kLookPeriod);
   for (int g = 0; g < 2; ++g)
     if (boundary_.held()[g]) sensitivity_.follow_wrench(g, reaction(g).vector());
-  for (int column = 0; column < options_.refine && !budget.is_spent(); ++column) {
+  // the refinement knows forces on the free nodes that do not change, unlike those of contact
+  const bool refines = !contacts_ || !contacts_->is_touching();
+  for (int column = 0; refines && column < options_.refine && !budget.is_spent(); ++column) {
     if (refinement_ && report.status != StepStatus::kFailed) refinement_->refine_next(motion_.x());
   }
   return report;
@@ -212,6 +228,7 @@ Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
   snapshot.held = boundary_.held();
   snapshot.contacts = sensitivity_.contacts();
   snapshot.grasps = boundary_.applied();
+  if (contacts_) contacts_->describe(job_.contact_samples, snapshot.touching);
   job_.factor.rotations = factor_.measure_rotations(potential_.elements());
   job_.factor.step = potential_.factors();
   job_age_ = 0;
@@ -228,7 +245,10 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
     return;
   }
   factor_.install(job_.factor, job_age_, potential_.elements());
-  if (job_.snapshot.held != boundary_.held()) return;
+  if (job_.snapshot.held != boundary_.held()) {
+    factor_.columns().clear();
+    return;
+  }
   sensitivity_.install(job_.sensitivity, job_.snapshot.grasps, job_age_);
   if (!dynamic_) motion_.forget_persistence();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "core/elasticity/incremental/column_refinement.hpp"
@@ -53,6 +54,9 @@ class CorotationalModel : public DeformationModel {
   /// has no unique equilibrium.
   bool is_regularised() const noexcept { return factor_.is_regularised(); }
 
+  /// Points of the surface on or near obstacles, after the last step.
+  const std::vector<SurfaceContact>& contacts() const noexcept;
+
   const ElementSet& elements() const noexcept { return body_.elements; }
   double factor_age() const noexcept { return factor_.age(); }  // s since its snapshot
 
@@ -72,9 +76,11 @@ class CorotationalModel : public DeformationModel {
   bool dynamic_;
   NumberedBody body_;
   BoundaryConditions boundary_;
+  std::vector<mesh::PointWeights> samples_;  // of the surface, for contact; solver's numbering
   NodalMotion motion_;
   StepPotential potential_;
   WarpedFactor factor_;
+  std::unique_ptr<ObstacleContacts> contacts_;  // with obstacles only
   QuasiNewton corrections_;
   InversionRecovery recovery_;
   TrackedSensitivity sensitivity_;

@@ -1,5 +1,7 @@
 #include "core/elasticity/static_response.hpp"
 
+#include <Eigen/LU>
+
 namespace palpate::elasticity {
 namespace {
 
@@ -65,6 +67,12 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
   poisson_forces_.evaluate(at.positions, by_poisson);
   const Matrix3Xd weight = at.gravity_O * nodal_mass_.transpose();
 
+  Matrix3Xd external = at.loads + weight;
+  for (const TouchingPoint& touching : at.touching) {
+    for (int i = 0; i < touching.point.count; ++i)
+      external.col(touching.point.nodes[i]) += touching.point.weights[i] * touching.force;
+  }
+
   Columns columns(body_, at);
   prescribe(at, columns);
   const auto stacked = [](const Matrix3Xd& m) {
@@ -74,6 +82,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
   columns.loaded.col(columns.parameters + Sensitivity::kPoisson) = -stacked(by_poisson);
   columns.loaded.col(columns.parameters + Sensitivity::kLogDensity) = stacked(weight);
   solve(K, factor, at.held, columns);
+  if (!at.touching.empty()) add_contact(at, K, factor, columns);
 
   for (int g = 0; g < 2; ++g) {
     if (columns.motion[g] >= 0) out.dx_dxi[g] = columns.moved.middleCols<6>(columns.motion[g]);
@@ -84,12 +93,12 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
   }
   for (int g = 0; g < 2; ++g) {
     if (columns.motion[g] < 0) continue;
-    const Wrenches w = wrenches(at, g, internal - at.loads - weight, columns);
+    const Wrenches w = wrenches(at, g, internal - external, columns);
     for (int b = 0; b < 2; ++b) {
       if (columns.motion[b] >= 0) out.dw_dxi[g][b] = w.middleCols<6>(columns.motion[b]);
     }
     out.dw_dparameter[g] = w.middleCols<3>(columns.parameters);
-    out.reaction[g] = reaction(at, g, internal - at.loads - weight);
+    out.reaction[g] = reaction(at, g, internal - external);
     for (int c = 0; c < kContactSlots; ++c) {
       if (columns.force[c] >= 0) out.dw_dforce[g][c] = w.middleCols<3>(columns.force[c]);
     }
@@ -132,6 +141,83 @@ void StaticResponse::solve(const factor::BlockMatrix& K, const factor::Supernoda
   factor.solve(rhs, held);
   for (int k = 0; k < pattern_.size(); ++k) {
     columns.moved.block(3 * pattern_.node(k), 0, 3, count) += rhs.middleRows<3>(3 * k);
+  }
+  K.multiply(columns.moved, columns.product);
+}
+
+namespace {
+
+/// Law of a touching point for small changes: displacement * u + force * f = 0.
+struct PointLaw {
+  Eigen::Matrix3d displacement, force;
+};
+
+PointLaw law_of(const TouchingPoint& touching) {
+  PointLaw law{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero()};
+  if (!touching.slips) return law;
+  const Vector3d& n = touching.normal;
+  const double r_n = n.dot(touching.force);
+  const Vector3d q = touching.force / r_n - n;  // friction relative to the normal force
+  const Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+  law.displacement.row(0) = n;
+  // f = dr_n (n + q) + r_n (dn + dq), dn = H u, dq = -n (q . dn)
+  for (int row = 1; row <= 2; ++row) {
+    const Vector3d& t = row == 1 ? t1 : t2;
+    law.force.row(row) = t - t.dot(q) * n;
+    law.displacement.row(row) = -r_n * (t + t.dot(q) * q).transpose() * touching.normal_derivative;
+  }
+  return law;
+}
+
+}  // namespace
+
+/// Adds to `moved` and `loaded` the effect of the contact forces, and sets K x' in `product`.
+void StaticResponse::add_contact(const Snapshot& at, const factor::BlockMatrix& K,
+                                 const factor::SupernodalFactor& factor, Columns& columns) const {
+  const int count = static_cast<int>(at.touching.size());
+  Eigen::MatrixXd responses = Eigen::MatrixXd::Zero(3 * pattern_.size(), 3 * count);
+  for (int c = 0; c < count; ++c) {
+    const mesh::PointWeights& point = at.touching[c].point;
+    for (int i = 0; i < point.count; ++i) {
+      const int k = pattern_.unknown(point.nodes[i]);
+      if (k >= 0) responses.block<3, 3>(3 * k, 3 * c).diagonal().array() += point.weights[i];
+    }
+  }
+  factor.solve(responses, at.held);
+  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+  Eigen::MatrixXd free = Eigen::MatrixXd::Zero(3 * count, columns.count);
+  for (int c = 0; c < count; ++c) {
+    const mesh::PointWeights& point = at.touching[c].point;
+    for (int i = 0; i < point.count; ++i) {
+      const int node = point.nodes[i], k = pattern_.unknown(node);
+      free.middleRows<3>(3 * c) +=
+          point.weights[i] * columns.moved.block(3 * node, 0, 3, columns.count);
+      if (k >= 0)
+        compliance.middleRows<3>(3 * c) += point.weights[i] * responses.middleRows<3>(3 * k);
+    }
+  }
+  // Points whose forces are linearly dependent, like the nodes of a face and its centre, share them
+  // by this compliance.
+  const double weak = 1e-9 * compliance.trace() / (3 * count);
+  Eigen::MatrixXd system(3 * count, 3 * count);
+  Eigen::MatrixXd changes(3 * count, columns.count);
+  for (int c = 0; c < count; ++c) {
+    const PointLaw law = law_of(at.touching[c]);
+    system.middleRows<3>(3 * c) = law.displacement * compliance.middleRows<3>(3 * c);
+    system.block<3, 3>(3 * c, 3 * c) += law.force + weak * law.displacement;
+    changes.middleRows<3>(3 * c) = -law.displacement * free.middleRows<3>(3 * c);
+  }
+  changes = system.partialPivLu().solve(changes).eval();
+  const Eigen::MatrixXd moved = responses * changes;
+  for (int k = 0; k < pattern_.size(); ++k) {
+    columns.moved.block(3 * pattern_.node(k), 0, 3, columns.count) += moved.middleRows<3>(3 * k);
+  }
+  for (int c = 0; c < count; ++c) {
+    const mesh::PointWeights& point = at.touching[c].point;
+    for (int i = 0; i < point.count; ++i) {
+      columns.loaded.block(3 * point.nodes[i], 0, 3, columns.count) +=
+          point.weights[i] * changes.middleRows<3>(3 * c);
+    }
   }
   K.multiply(columns.moved, columns.product);
 }

@@ -8,6 +8,15 @@
 
 namespace palpate::elasticity {
 
+/// Point of the surface that presses on an obstacle. In O.
+struct TouchingPoint {
+  mesh::PointWeights point;
+  bool slips = false;                                           // at the limit of friction
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();            // unit vector out of the obstacle
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();              // N, on the object
+  Eigen::Matrix3d normal_derivative = Eigen::Matrix3d::Zero();  // 1/m, by position
+};
+
 /// State at which derivatives are computed.
 struct Snapshot {
   Eigen::Matrix3Xd positions;
@@ -16,12 +25,17 @@ struct Snapshot {
   Eigen::Matrix3Xd loads;  // N, in addition to weight
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();
   std::array<mesh::PointWeights, kContactSlots> contacts;  // count 0: not configured
+  std::vector<TouchingPoint> touching;
 };
 
 /// Derivatives of static equilibrium from one factorisation of its exact tangent K: with free nodes
 /// f, a change p that prescribes displacements u_p and applies forces f_p yields
 ///   x' = u_p + K_ff^-1 (f_p - K u_p),   w' = G^T (K x' - f_p) + (dG^T) f,
-/// G = [1, -[r]x] at the nodes of a patch (docs/theory.md, section 2). Allocates, does not throw.
+/// G = [1, -[r]x] at the nodes of a patch (docs/theory.md, section 2). Points that touch an
+/// obstacle add unknown changes of their contact forces, by a Schur complement: a sticking point
+/// does not move; a slipping one moves across the normal, and its force keeps its direction
+/// relative to the normal, which turns with the surface of the obstacle. At a change between these
+/// states derivatives are one-sided. Allocates, does not throw.
 class StaticResponse {
  public:
   StaticResponse(const Body& body, const ElementSet& elements, const factor::BlockPattern& pattern);
@@ -37,6 +51,8 @@ class StaticResponse {
   void prescribe(const Snapshot& at, Columns& columns) const;
   void solve(const factor::BlockMatrix& K, const factor::SupernodalFactor& factor,
              factor::Held held, Columns& columns) const;
+  void add_contact(const Snapshot& at, const factor::BlockMatrix& K,
+                   const factor::SupernodalFactor& factor, Columns& columns) const;
   math::Vector6d reaction(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual) const;
   Wrenches wrenches(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual,
                     const Columns& columns) const;

@@ -16,7 +16,7 @@ ALLOWED = {
     "core/mesh": "core/math",
     "core/collision": "core/math core/mesh",
     "core/factor": "core/math",
-    "core/elasticity": "core/math core/mesh core/factor",
+    "core/elasticity": "core/math core/mesh core/collision core/factor",
     "core/solid": "core/math core/factor core/elasticity",
     "core/sensing": "core/math",
     "core/contact": "core/math core/mesh core/sensing",

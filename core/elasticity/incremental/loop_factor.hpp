@@ -1,5 +1,8 @@
 #pragma once
 
+#include "core/elasticity/contact/compliance_columns.hpp"
+#include "core/elasticity/incremental/numbered_body.hpp"
+#include "core/elasticity/incremental/solver_options.hpp"
 #include "core/factor/solve_panels.hpp"
 
 namespace palpate::elasticity {
@@ -12,14 +15,17 @@ struct StepFactors {
 
 /// Factor used by the loop, and the state from which it was computed.
 struct LoopFactor {
-  LoopFactor(const factor::Supernodes& supernodes, factor::PanelPrecision precision,
-             math::Team& team)
-      : panels(supernodes, precision, team),
-        rotations(Eigen::Matrix4Xf::Zero(4, supernodes.pattern().node_count())) {
+  /// `samples`: points of the surface that may touch obstacles, in the solver's numbering.
+  LoopFactor(const NumberedBody& body, const SolverOptions& options,
+             const std::vector<mesh::PointWeights>& samples)
+      : panels(body.supernodes, options.panels, team_of(options)),
+        columns(samples, body.pattern.size(), options.contact.most),
+        rotations(Eigen::Matrix4Xf::Zero(4, body.pattern.node_count())) {
     rotations.row(0).setOnes();
   }
 
   factor::SolvePanels panels;
+  ComplianceColumns columns;   // compliances of contact points
   Eigen::Matrix4Xf rotations;  // rotations of the nodes at the snapshot, w x y z
   StepFactors step;
   bool usable = false;

@@ -6,12 +6,13 @@
 namespace palpate::elasticity {
 
 QuasiNewton::QuasiNewton(const NumberedBody& body, const BoundaryConditions& boundary,
-                         StepPotential& potential, WarpedFactor& factor,
+                         StepPotential& potential, WarpedFactor& factor, ObstacleContacts* contacts,
                          const SolverOptions& options)
     : body_(body),
       boundary_(boundary),
       potential_(potential),
       factor_(factor),
+      contacts_(contacts),
       options_(options),
       rounding_(options.precision == Precision::kSingle ? 1e-6 : 1e-12),
       correction_(Eigen::VectorXf::Zero(3 * body.pattern.size())),
@@ -24,14 +25,20 @@ double QuasiNewton::residual() const noexcept {
   return boundary_.largest_at_free_nodes(potential_.forces());
 }
 
-/// Computes correction_; returns the slope of the potential along it, J.
-double QuasiNewton::find_correction() noexcept {
+/// Computes correction_ of positions x; returns the slope of the potential along it, J. Contact
+/// forces change with it, and `energy` with them.
+double QuasiNewton::find_correction(const NodalField& x, double& energy) noexcept {
   const NodalField& forces = potential_.forces();
   for (int k = 0; k < body_.pattern.size(); ++k) {
     correction_.segment<3>(3 * k) = -forces.col(k).head<3>().cast<float>();
   }
   factor_.solve(correction_, boundary_);
+  if (contacts_ != nullptr) energy += contacts_->correct(x, correction_, potential_);
   return slope();
+}
+
+bool QuasiNewton::is_contact_settled(const NodalField& x) noexcept {
+  return contacts_ == nullptr || contacts_->violation(x) <= contacts_->tolerance();
 }
 
 /// Slope of the potential, as last evaluated, along correction_, J.
@@ -73,10 +80,10 @@ void QuasiNewton::learn(const NodalField& x) noexcept {
 void QuasiNewton::minimise(NodalField& x, double& energy, StepReport& report,
                            const StepBudget& budget, bool measures) noexcept {
   report.residual = residual();
-  bool settled = report.residual <= options_.tolerance;
+  bool settled = report.residual <= options_.tolerance && is_contact_settled(x);
   double last_size = 0;
   while (!settled && report.iterations < options_.iterations && !budget.is_spent()) {
-    const double slope_begin = find_correction();
+    const double slope_begin = find_correction(x, energy);
     const auto size = static_cast<double>(correction_.lpNorm<Eigen::Infinity>());
     if (last_size > 0) contraction_ = size / last_size;
     ++report.iterations;
@@ -126,7 +133,7 @@ void QuasiNewton::minimise(NodalField& x, double& energy, StepReport& report,
     energy = next;
     report.residual = next_residual;
     last_size = share == 1 ? size : 0;
-    settled = is_last || next_residual <= options_.tolerance;
+    settled = is_last || (next_residual <= options_.tolerance && is_contact_settled(x));
   }
   report.status = settled ? StepStatus::kConverged : StepStatus::kNotConverged;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/elasticity/contact/obstacle_contacts.hpp"
 #include "core/elasticity/deformation_model.hpp"
 #include "core/elasticity/incremental/step_potential.hpp"
 #include "core/elasticity/incremental/warped_factor.hpp"
@@ -11,9 +12,11 @@ namespace palpate::elasticity {
 /// each correction, and requests a new factor where corrections contract slowly or fail.
 class QuasiNewton {
  public:
-  /// All must outlive this object.
+  /// All must outlive this object. `contacts`: determines contact forces together with each
+  /// correction; null without obstacles.
   QuasiNewton(const NumberedBody& body, const BoundaryConditions& boundary,
-              StepPotential& potential, WarpedFactor& factor, const SolverOptions& options);
+              StepPotential& potential, WarpedFactor& factor, ObstacleContacts* contacts,
+              const SolverOptions& options);
 
   /// Improves positions `x`, whose potential, as last evaluated, is `energy` (J), and sets residual
   /// and status; adds to the report's iterations, which count against the limit. The contraction
@@ -32,7 +35,8 @@ class QuasiNewton {
  private:
   static constexpr double kUnlimited = 1e9;  // m
 
-  double find_correction() noexcept;
+  double find_correction(const NodalField& x, double& energy) noexcept;
+  bool is_contact_settled(const NodalField& x) noexcept;
   double slope() const noexcept;
   void add_correction(const NodalField& from, double share, NodalField& to) const noexcept;
   bool is_last_correction(double size, bool measures) const noexcept;
@@ -42,6 +46,7 @@ class QuasiNewton {
   const BoundaryConditions& boundary_;
   StepPotential& potential_;
   WarpedFactor& factor_;
+  ObstacleContacts* contacts_;
   const SolverOptions& options_;
   double rounding_;                                         // relative rounding error of the energy
   Eigen::VectorXf correction_, step_taken_, force_change_;  // three per node, unknown nodes only

@@ -4,8 +4,9 @@
 
 namespace palpate::elasticity {
 
-RefactorJob::RefactorJob(const NumberedBody& body, const SolverOptions& options)
-    : factor(body.supernodes, options.panels, team_of(options)),
+RefactorJob::RefactorJob(const NumberedBody& body, const SolverOptions& options,
+                         const std::vector<mesh::PointWeights>& samples)
+    : factor(body, options, samples),
       pattern_(body.pattern),
       tangents_(make_element_tangents(body.elements, pattern_)),
       matrix_(pattern_),
@@ -17,6 +18,9 @@ RefactorJob::RefactorJob(const NumberedBody& body, const SolverOptions& options)
   snapshot.positions = body.body.mesh.nodes;
   snapshot.loads.setZero(3, body.node_count());
   sensitivity.resize(body.node_count());
+  const std::size_t most = samples.empty() ? 0 : options.contact.most;
+  contact_samples.reserve(most);
+  snapshot.touching.reserve(most);
 }
 
 /// Assembles the static tangent and the matrix of the damping.
@@ -62,6 +66,9 @@ void RefactorJob::run() noexcept {
     factor.usable = factorise(1e-4 * largest);
   }
   factor.usable = factor.usable && factor.panels.assign(factorisation_);
+  if (factor.usable && !contact_samples.empty()) {
+    factor.columns.fill(contact_samples, factorisation_, snapshot.held);
+  }
 }
 
 }  // namespace palpate::elasticity

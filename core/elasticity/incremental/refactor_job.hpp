@@ -17,13 +17,15 @@ namespace palpate::elasticity {
 /// it.
 class RefactorJob final : public Refactorisation {
  public:
-  /// `body` must outlive this object. The options' team is used by the loop when it solves with the
-  /// factor; the job itself runs in the calling thread.
-  RefactorJob(const NumberedBody& body, const SolverOptions& options);
+  /// `body` and `samples` (of LoopFactor) must outlive this object. The options' team is used by
+  /// the loop when it solves with the factor; the job itself runs in the calling thread.
+  RefactorJob(const NumberedBody& body, const SolverOptions& options,
+              const std::vector<mesh::PointWeights>& samples);
 
   void run() noexcept override;
 
-  Snapshot snapshot;  // further inputs: factor.rotations, factor.step
+  Snapshot snapshot;                 // further inputs: factor.rotations, factor.step
+  std::vector<int> contact_samples;  // whose compliances are wanted
 
   // Results.
   LoopFactor factor;

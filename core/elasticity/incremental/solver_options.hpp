@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "core/elasticity/contact/contact_options.hpp"
 #include "core/elasticity/element_forces.hpp"
 #include "core/factor/solve_panels.hpp"
 #include "core/math/team.hpp"
@@ -31,6 +32,7 @@ struct SolverOptions {
   // A step stops correcting after `budget` seconds of `clock` (s, monotonic), if set.
   double budget = 0;
   double (*clock)() = nullptr;
+  ContactOptions contact;  // obstacles that the object may touch
   // Threads that share the work of a step; without a team the calling thread alone. The team's size
   // determines the summation order and thus the last bits.
   std::shared_ptr<math::Team> team = nullptr;

@@ -25,6 +25,12 @@ class StepPotential {
 
   /// Fixes external forces, and the strains from which viscosity counts.
   void begin_step(const BoundaryConditions& boundary) noexcept;
+  /// Adds a force, N, to those at a node (of the solver's numbering), where the potential was
+  /// evaluated last too.
+  void add_external(int node, const Eigen::Vector3d& force) noexcept {
+    external_.col(node).head<3>() += force;
+    forces_.col(node).head<3>() -= force;
+  }
   /// Sets x* from positions `x` and velocities `v` at the beginning of the step. Dynamic only.
   void set_inertial_motion(const NodalField& x, const NodalField& v) noexcept;
 

@@ -23,9 +23,10 @@ void SecantPairs::add(const Eigen::VectorXf& step, const Eigen::VectorXf& change
   count_ = std::min(count_ + 1, kPairs);
 }
 
-WarpedFactor::WarpedFactor(const NumberedBody& body, const SolverOptions& options)
+WarpedFactor::WarpedFactor(const NumberedBody& body, const SolverOptions& options,
+                           const std::vector<mesh::PointWeights>& samples)
     : options_(options),
-      factor_(body.supernodes, options.panels, team_of(options)),
+      factor_(body, options, samples),
       rotations_(factor_.rotations),
       warp_(body.pattern.size()),
       secants_(3 * body.pattern.size()) {}
@@ -37,6 +38,11 @@ void WarpedFactor::solve(Eigen::VectorXf& b, const BoundaryConditions& boundary)
     factor_.panels.solve(v.data(), boundary.held());
     warp_.turn(v);
   });
+}
+
+void WarpedFactor::solve_unturned(Eigen::VectorXf& b, const BoundaryConditions& boundary) noexcept {
+  boundary.clear_held_nodes(b);
+  factor_.panels.solve(b.data(), boundary.held());
 }
 
 const Eigen::Matrix4Xf& WarpedFactor::measure_rotations(ElementForces& elements) noexcept {

@@ -56,12 +56,19 @@ class SecantPairs {
 /// factor is wanted.
 class WarpedFactor {
  public:
-  /// Both must outlive this object.
-  WarpedFactor(const NumberedBody& body, const SolverOptions& options);
+  /// All must outlive this object. `samples`: of LoopFactor.
+  WarpedFactor(const NumberedBody& body, const SolverOptions& options,
+               const std::vector<mesh::PointWeights>& samples);
 
   /// Overwrites `b` (three coordinates per unknown node) with the approximate solution; held nodes
   /// get zero.
   void solve(Eigen::VectorXf& b, const BoundaryConditions& boundary) noexcept;
+
+  /// As solve(), for nodes that have not rotated and without the last corrections.
+  void solve_unturned(Eigen::VectorXf& b, const BoundaryConditions& boundary) noexcept;
+  /// Compliances of contact points; those of a factor installed while other grasps are held, or of
+  /// grasps that have changed since, must be cleared.
+  ComplianceColumns& columns() noexcept { return factor_.columns; }
 
   bool serves(const factor::Held& held) const noexcept {
     return factor_.usable && factor_.panels.usable(held);

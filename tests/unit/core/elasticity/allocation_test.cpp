@@ -117,6 +117,25 @@ TEST(Allocation, NoneInFactorsAndTheirSolves) {
   EXPECT_EQ(allocated, 0);
 }
 
+TEST(Allocation, NoneInContactWithObstacles) {
+  const Body bar = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, mesh::ElementOrder::kQuadratic);
+  SolverOptions options;
+  options.contact.obstacles = {
+      {"table", collision::HalfSpace{}, math::make_pose(Eigen::Matrix3d::Identity(), {0, 0, -1e-4}),
+       0.5},
+      {"ball", collision::Sphere{0.03},
+       math::make_pose(Eigen::Matrix3d::Identity(), {0.1, 0.025, 0.0805}), 0.5}};
+  CorotationalQuasistatic quasistatic(bar, options);
+  expect_no_allocation(quasistatic);
+  CorotationalDynamic dynamic(bar, options);
+  expect_no_allocation(dynamic);
+  // it was in contact
+  quasistatic.hold(0, bar.grasps[0].X_OG_rest);
+  quasistatic.set_gravity({0, 0, -9.81});
+  for (int i = 0; i < 20; ++i) quasistatic.step(1e-3);
+  EXPECT_FALSE(quasistatic.contacts().empty());
+}
+
 TEST(Allocation, NoneInTheLoop) {
   const Body quadratic = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, mesh::ElementOrder::kQuadratic);
   const Body linear = make_bar({0.2, 0.05, 0.05}, {4, 2, 2}, mesh::ElementOrder::kLinear);

@@ -3,15 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "core/elasticity/static_solver.hpp"
-#include "tests/unit/core/elasticity/bodies.hpp"
+#include "tests/unit/core/elasticity/stepping.hpp"
 
 namespace palpate::elasticity {
 namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-
-constexpr double kDt = 1e-3;  // s
 
 class LinearModelOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder> {
  protected:

@@ -2,15 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/core/elasticity/bodies.hpp"
+#include "tests/unit/core/elasticity/stepping.hpp"
 
 namespace palpate::elasticity {
 namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-
-constexpr double kDt = 1e-3;  // s
 
 /// Unconstrained.
 Body free_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {

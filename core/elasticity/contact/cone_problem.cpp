@@ -1,0 +1,100 @@
+#include "core/elasticity/contact/cone_problem.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+namespace palpate::elasticity {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Between normal and tangential force of a sliding point in one sweep.
+constexpr int kAlternations = 3;
+// The larger eigenvalue of a point's tangential block lies between half its trace and its trace; a
+// projection with this share of the trace converges for all of them.
+constexpr double kTangentialShare = 0.6;
+
+}  // namespace
+
+ConeProblem::ConeProblem(int most)
+    : compliance_(3 * most, 3 * most), displacement_(3 * most), blocks_(most) {}
+
+/// Copies what the sweeps need, so that it stays in the cache.
+void ConeProblem::gather(const ComplianceColumns& table,
+                         const std::vector<ConePoint>& points) noexcept {
+  const int count = static_cast<int>(points.size());
+  size_ = 3 * count;
+  for (int k = 0; k < count; ++k) {
+    const auto column = table.among(points[k].place);
+    for (int other = 0; other < count; ++other) {
+      compliance_.block<3, 3>(3 * other, 3 * k) = column.middleRows<3>(3 * points[other].place);
+    }
+    Block& block = blocks_[k];
+    block.own = table.own(points[k].place).cast<double>();
+    block.inverse = block.own.inverse();
+    block.normal = points[k].normal.dot(block.own * points[k].normal);
+    block.tangential = kTangentialShare * std::max(block.own.trace() - block.normal, 0.0);
+  }
+  displacement_.head(size_).setZero();
+}
+
+/// Force of a point that cannot stick: `error` is gap and slip under its force.
+Vector3d ConeProblem::slide(const ConePoint& point, const Block& block, Vector3d error) noexcept {
+  const Vector3d& n = point.normal;
+  Vector3d force = point.force;
+  const auto set_force = [&](const Vector3d& next) {
+    error += block.own * (next - force);
+    force = next;
+  };
+  for (int k = 0; k < kAlternations; ++k) {
+    const double r_n = std::max(0.0, n.dot(force) - n.dot(error) / block.normal);
+    if (r_n == 0) return Vector3d::Zero();
+    set_force(force + (r_n - n.dot(force)) * n);
+    if (point.friction == 0) return r_n * n;
+    Vector3d r_t = force - r_n * n;
+    if (block.tangential > 0) r_t -= (error - n.dot(error) * n) / block.tangential;
+    const double size = r_t.norm(), most = point.friction * r_n;
+    if (size > most) r_t *= most / size;
+    set_force(r_n * n + r_t);
+  }
+  return force;
+}
+
+/// Solves the law of one point; returns the displacement that it causes there, m.
+double ConeProblem::relax(int k, ConePoint& point) noexcept {
+  const Vector3d& n = point.normal;
+  const Vector3d error = point.offset + displacement_.segment<3>(3 * k).cast<double>();
+  if (point.force.isZero(0) && n.dot(error) >= 0) return 0;
+  const Block& block = blocks_[k];
+  Vector3d next = point.force - block.inverse * error;
+  const double r_n = n.dot(next), most = point.friction * r_n;
+  if (!(r_n > 0 && (next - r_n * n).squaredNorm() <= most * most)) {
+    next = slide(point, block, error);
+  }
+  const Vector3d change = next - point.force;
+  if (change.isZero(0)) return 0;
+  point.force = next;
+  const Eigen::Vector3f by = change.cast<float>();
+  displacement_.head(size_) += compliance_.col(3 * k).head(size_) * by[0] +
+                               compliance_.col(3 * k + 1).head(size_) * by[1] +
+                               compliance_.col(3 * k + 2).head(size_) * by[2];
+  return (block.own * change).norm();
+}
+
+int ConeProblem::solve(const ComplianceColumns& table, const ConeOptions& options,
+                       std::vector<ConePoint>& points) noexcept {
+  gather(table, points);
+  const int count = static_cast<int>(points.size());
+  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
+    double largest = 0;
+    for (int i = 0; i < count; ++i) {
+      const int k = sweep % 2 == 0 ? i : count - 1 - i;
+      largest = std::max(largest, relax(k, points[k]));
+    }
+    if (!(largest > options.tolerance)) return sweep + 1;
+  }
+  return options.sweeps;
+}
+
+}  // namespace palpate::elasticity

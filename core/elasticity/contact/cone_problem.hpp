@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/elasticity/contact/compliance_columns.hpp"
+
+namespace palpate::elasticity {
+
+/// Contact point of the cone problem. All vectors in the axes of its place in the table.
+struct ConePoint {
+  int place = 0;                                      // in the table of compliances
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit vector, out of the obstacle
+  double friction = 0;
+  /// m, without any change of force: along the normal the gap, across it the slip since the point
+  /// stuck last.
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object: first guess and result
+};
+
+struct ConeOptions {
+  int sweeps = 30;          // maximum number
+  double tolerance = 1e-8;  // m, largest displacement by the last change of a force
+};
+
+/// Signorini's and Coulomb's laws at many points of an elastic body: with the force r of each point
+/// and the gap and slip e = offset + u, u = sum of compliances times changes of force,
+///   0 <= r_n, 0 <= e_n, r_n e_n = 0,  |r_t| <= friction r_n,  e_t = 0 or r_t = -friction r_n
+///   e_t / |e_t|.
+/// Solved by block projected Gauss-Seidel (Jourdan, Alart and Jean 1998; Duriez et al. 2006): a
+/// point that can stick takes the exact solution of its block, others alternate between the
+/// projections of normal and tangential force. Sweeps run to and fro, so that the order of the
+/// points matters less. Because compliances weight errors of force by the displacement that they
+/// cause, displacements converge much faster than the distribution of forces. Nothing allocates
+/// after construction.
+class ConeProblem {
+ public:
+  /// `most`: largest number of points.
+  explicit ConeProblem(int most);
+
+  /// Changes the forces of `points`. Returns the number of sweeps.
+  int solve(const ComplianceColumns& table, const ConeOptions& options,
+            std::vector<ConePoint>& points) noexcept;
+
+ private:
+  /// What relaxing a point needs of its own compliance.
+  struct Block {
+    Eigen::Matrix3d own, inverse;
+    double normal, tangential;  // m/N, along the normal; bound across it
+  };
+  void gather(const ComplianceColumns& table, const std::vector<ConePoint>& points) noexcept;
+  double relax(int k, ConePoint& point) noexcept;
+  static Eigen::Vector3d slide(const ConePoint& point, const Block& block,
+                               Eigen::Vector3d error) noexcept;
+
+  int size_ = 0;                  // three per point
+  Eigen::MatrixXf compliance_;    // among the points
+  Eigen::VectorXf displacement_;  // u by point
+  std::vector<Block> blocks_;
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <vector>
+
+#include "core/collision/candidate_search.hpp"
+#include "core/elasticity/contact/cone_problem.hpp"
+#include "core/elasticity/contact/contact_options.hpp"
+#include "core/elasticity/incremental/step_potential.hpp"
+#include "core/elasticity/incremental/warped_factor.hpp"
+#include "core/elasticity/static_response.hpp"
+
+namespace palpate::elasticity {
+
+/// Sample of the surface that touches an obstacle, or may soon. In O.
+struct SurfaceContact {
+  int sample = 0;
+  int obstacle = 0;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object
+  bool slips = false;    // under force, and at the limit of friction, after the last step
+  bool pressed = false;  // under force after the last step
+  // As last evaluated:
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // unit vector out of the obstacle
+  double gap = 0;                                      // m, negative inside
+  /// m, where the point has stuck last, or was before it touched: slip counts from there, so that
+  /// sticking points do not creep
+  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+
+  bool presses() const noexcept { return !force.isZero(0); }
+  Eigen::Vector3d slip() const noexcept {
+    const Eigen::Vector3d way = position - anchor;
+    return way - normal.dot(way) * normal;
+  }
+};
+
+/// Contact forces of a step: loads of the quasi-Newton iteration that satisfy Signorini's and
+/// Coulomb's laws (ConeProblem) together with each correction. Gaps are those of the exact
+/// distances at the present positions and the residual is that of the exact element forces, so that
+/// the solution does not depend on the age of the factor whose compliances are used. Surfaces are
+/// sampled (surface_samples). Nothing allocates after construction.
+class ObstacleContacts {
+ public:
+  /// All must outlive this object. `samples`: in the solver's numbering. Throws
+  /// std::invalid_argument if an option is out of range.
+  ObstacleContacts(const NumberedBody& body, const BoundaryConditions& boundary,
+                   WarpedFactor& factor, const ContactOptions& options,
+                   const std::vector<mesh::PointWeights>& samples);
+
+  /// Samples of the surface of `body` in the solver's numbering; none without obstacles.
+  static std::vector<mesh::PointWeights> numbered_samples(const NumberedBody& body,
+                                                          const ContactOptions& options);
+
+  /// Finds the contact points at `x`, where the step begins, and adds their forces, as of the last
+  /// step, to the external forces. Computes missing compliances of points about to touch.
+  void begin_step(const NodalField& x, StepPotential& potential) noexcept;
+  /// Adds to `correction` of positions `x`, the response to the unbalanced forces, that to the
+  /// changes of contact forces which it requires, and those to the external forces. Returns the
+  /// change of the potential at `x`, J.
+  double correct(const NodalField& x, Eigen::VectorXf& correction,
+                 StepPotential& potential) noexcept;
+  /// Largest violation of the contact laws at `x`, m: penetration, gap under force, motion of a
+  /// sticking point.
+  double violation(const NodalField& x) noexcept;
+  double tolerance() const noexcept { return options_.tolerance; }
+  /// Notes at the positions reached which points slip and from where.
+  void finish_step(const NodalField& x) noexcept;
+
+  /// Contact points, ordered by sample and obstacle.
+  const std::vector<SurfaceContact>& contacts() const noexcept { return contacts_; }
+  bool is_touching() const noexcept;
+  /// Sets, for a new factor, the samples whose compliances are wanted, and the points under force,
+  /// in mesh numbering. Both have room for ContactOptions::most.
+  void describe(std::vector<int>& samples, std::vector<TouchingPoint>& touching) const noexcept;
+  /// Number of points beyond the largest number, omitted in the last step.
+  int omitted() const noexcept { return omitted_; }
+  /// Removes all contacts.
+  void reset() noexcept { contacts_.clear(); }
+
+ private:
+  void collect(const NodalField& x) noexcept;
+  void complete_table() noexcept;
+  int free_place() const noexcept;
+  void evaluate(SurfaceContact& contact, const NodalField& x) const noexcept;
+  Eigen::Matrix3d rotation(int sample) const noexcept;
+
+  const NumberedBody& body_;
+  const BoundaryConditions& boundary_;
+  WarpedFactor& factor_;
+  const ContactOptions& options_;
+  const std::vector<mesh::PointWeights>& samples_;
+  std::vector<int> leading_;  // per sample: its node of the largest weight
+  std::vector<int> patch_;    // per sample: grasp all of whose nodes it has, or -1
+  collision::CandidateSearch search_;
+  ConeProblem problem_;
+  std::vector<SurfaceContact> contacts_, found_;
+  std::vector<ConePoint> points_;  // of the cone problem
+  std::vector<int> contact_of_;    // per point
+  Eigen::VectorXf forward_;        // workspace, three per unknown node
+  int omitted_ = 0;
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,166 @@
+// Derivatives of the equilibrium in contact, against central differences of equilibria.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/elasticity/obstacles.hpp"
+
+namespace palpate::elasticity {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+struct World {
+  const char* name;
+  collision::Obstacle obstacle;
+};
+
+std::ostream& operator<<(std::ostream& out, const World& world) { return out << world.name; }
+
+/// A bar between its fixed end and a hand that presses it down onto an obstacle, converged far
+/// beyond what a loop needs.
+class Pressed {
+ public:
+  explicit Pressed(const collision::Obstacle& obstacle, double scale = 1)
+      : body_(make_bar({0.2, 0.03, 0.03}, {6, 1, 1}, mesh::ElementOrder::kQuadratic,
+                       {scale * 3e4, 0.3, 100})),
+        model_(body_, options(obstacle)) {
+    body_.gravity_O = {0, 0, -kGravity};
+    model_.prepare();
+    model_.set_gravity({0, 0, -kGravity});
+    for (int i = 0; i <= 40; ++i) {
+      hand_ = body_.grasps[0].X_OG_rest;
+      hand_.translation() += i / 40.0 * Vector3d(-0.002, 0.001, -0.008);
+      hand_.linear() = rotation(0.1 * i / 40, Vector3d::UnitY());
+      move(hand_);
+    }
+  }
+
+  const math::Pose& hand() const { return hand_; }
+  CorotationalModel& model() { return model_; }
+
+  /// Positions, stacked, with the hand at `pose`.
+  VectorXd move(const math::Pose& pose) {
+    model_.hold(0, pose);
+    for (int i = 0; i < 60; ++i) {
+      const StepReport report = model_.step(kDt);
+      refactor(model_);
+      if (i > 2 && report.status == StepStatus::kConverged) break;
+    }
+    return Eigen::Map<const VectorXd>(model_.positions().data(), model_.positions().size());
+  }
+
+  /// Pressing points: sample, and whether it slips.
+  std::vector<std::pair<int, bool>> states() const {
+    std::vector<std::pair<int, bool>> pressing;
+    for (const SurfaceContact& contact : model_.contacts()) {
+      if (contact.presses()) pressing.emplace_back(contact.sample, contact.slips);
+    }
+    return pressing;
+  }
+
+ private:
+  static SolverOptions options(const collision::Obstacle& obstacle) {
+    SolverOptions options = with_obstacles({obstacle});
+    options.iterations = 30;
+    options.tolerance = 1e-10;
+    options.accuracy = 0;
+    options.contact.sweeps = 300;
+    options.contact.tolerance = 1e-12;
+    return options;
+  }
+
+  Body body_;
+  CorotationalQuasistatic model_;
+  math::Pose hand_;
+};
+
+/// The node of the bar's upper side next to its middle.
+int top_middle(const mesh::ElementMesh& mesh) {
+  int nearest = 0;
+  const Vector3d middle(0.1, 0.015, 0.03);
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    if ((mesh.nodes.col(n) - middle).norm() < (mesh.nodes.col(nearest) - middle).norm())
+      nearest = n;
+  }
+  return nearest;
+}
+
+class ContactSensitivity : public ::testing::TestWithParam<World> {};
+
+double relative(const VectorXd& got, const VectorXd& expected) {
+  return (got - expected).norm() / expected.norm();
+}
+
+TEST_P(ContactSensitivity, OfHandMotionAndForceEqualsCentralDifferences) {
+  Pressed pressed(GetParam().obstacle);
+  const auto states = pressed.states();
+  ASSERT_GE(states.size(), 2u) << "in contact";
+  for (const auto& [sample, slips] : states) EXPECT_EQ(slips, GetParam().obstacle.friction == 0);
+
+  CorotationalModel& model = pressed.model();
+  const int loaded = top_middle(model.body().mesh);
+  mesh::PointWeights point;
+  point.count = 1;
+  point.nodes[0] = loaded;
+  point.weights[0] = 1;
+  model.watch_contact(0, point);
+  pressed.move(pressed.hand());
+  refactor(model);
+  model.step(kDt);
+  const Sensitivity sensitivity = model.sensitivity();
+  ASSERT_TRUE(sensitivity.valid);
+
+  const double h = 2e-6;
+  for (int k = 0; k < 6; ++k) {
+    math::Pose forward = pressed.hand(), backward = forward;
+    const double step = k < 3 ? h : h / 0.1;
+    if (k < 3) {
+      forward.translation()[k] += step;
+      backward.translation()[k] -= step;
+    } else {
+      forward.linear() = rotation(step, Vector3d::Unit(k - 3)) * forward.linear();
+      backward.linear() = rotation(-step, Vector3d::Unit(k - 3)) * backward.linear();
+    }
+    const VectorXd ahead = pressed.move(forward);
+    const math::Vector6d w_ahead = model.reaction(0).vector();
+    EXPECT_EQ(pressed.states(), states) << "the state has changed";
+    const VectorXd behind = pressed.move(backward);
+    const math::Vector6d w_behind = model.reaction(0).vector();
+    EXPECT_EQ(pressed.states(), states) << "the state has changed";
+    EXPECT_LT(relative(sensitivity.dx_dxi[0].col(k), (ahead - behind) / (2 * step)), 1e-4) << k;
+    EXPECT_LT(relative(sensitivity.dw_dxi[0][0].col(k), (w_ahead - w_behind) / (2 * step)), 1e-3)
+        << k;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double force = 2e-5;
+    model.loads()(axis, loaded) = force;
+    const VectorXd ahead = pressed.move(pressed.hand());
+    model.loads()(axis, loaded) = -force;
+    const VectorXd behind = pressed.move(pressed.hand());
+    model.loads()(axis, loaded) = 0;
+    EXPECT_LT(relative(sensitivity.dx_dforce[0].col(axis), (ahead - behind) / (2 * force)), 1e-4)
+        << axis;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Worlds, ContactSensitivity,
+    ::testing::Values(World{"smooth_table", plane({0, 0, -0.004}, {0, 0, 1}, 0)},
+                      World{"sticking_table", plane({0, 0, -0.004}, {0, 0, 1}, 5)},
+                      World{"smooth_rod", rod({0.12, 0.015, -0.024}, 0.02, 0)}));
+
+TEST(ContactSensitivityOfModulus, EqualsCentralDifferencesOnASmoothRod) {
+  const collision::Obstacle obstacle = rod({0.12, 0.015, -0.024}, 0.02, 0);
+  const double h = 1e-3;
+  Pressed present(obstacle), stiffer(obstacle, std::exp(h)), softer(obstacle, std::exp(-h));
+  refactor(present.model());
+  present.model().step(kDt);
+  const VectorXd difference = (stiffer.move(stiffer.hand()) - softer.move(softer.hand())) / (2 * h);
+  ASSERT_GT(difference.norm(), 1e-4);
+  EXPECT_LT(
+      relative(present.model().sensitivity().dx_dparameter.col(Sensitivity::kLogYoung), difference),
+      1e-3);
+}
+
+}  // namespace
+}  // namespace palpate::elasticity
