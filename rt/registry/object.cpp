@@ -10,6 +10,7 @@
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
 #include "rt/registry/box.hpp"
+#include "rt/registry/obstacles.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -169,6 +170,7 @@ Object read_object(const config::Node& root, const Frames& frames,
                    std::vector<std::string>* remarks) {
   const config::Node node = root.child({"object", "", "Soft object"});
   Object object;
+  object.obstacles = read_obstacles(root, frames.X_WO);
   object.corners = read_mesh(node);
   object.hash = mesh::hash(object.corners);
   elasticity::Body& body = object.body;
