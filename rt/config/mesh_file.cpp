@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/mesh/mesh_formats.hpp"
+#include "core/mesh/surface_files.hpp"
 #include "rt/config/node.hpp"
 
 namespace palpate::config {
@@ -54,6 +55,18 @@ mesh::MeshWithGroups load_mesh_with_groups(const std::string& file) {
 
 mesh::TetrahedralMesh load_mesh(const std::string& file) {
   return load_mesh_with_groups(file).mesh;
+}
+
+mesh::TriangleSurface load_surface(const std::string& name) {
+  const std::string extension = path(name).extension().string();
+  try {
+    std::ifstream stream = open_file(name);
+    if (extension == ".stl") return mesh::read_stl(stream, name);
+    if (extension == ".obj") return mesh::read_obj(stream, name);
+  } catch (const std::runtime_error& error) {
+    throw Error(error.what());
+  }
+  throw Error(name + ": unknown kind of surface; allowed: .stl, .obj");
 }
 
 }  // namespace palpate::config

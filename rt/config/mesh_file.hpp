@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/mesh/mesh_reader.hpp"
+#include "core/mesh/triangle_surface.hpp"
 
 namespace palpate::config {
 
@@ -24,5 +25,8 @@ mesh::MeshWithGroups read_mesh(const std::string& path, mesh::OnFault on_fault);
 
 /// Same, with the named groups in Gmsh and Vega files.
 mesh::MeshWithGroups load_mesh_with_groups(const std::string& path);
+
+/// The surface in an .stl or .obj file. Throws Error naming the file.
+mesh::TriangleSurface load_surface(const std::string& path);
 
 }  // namespace palpate::config

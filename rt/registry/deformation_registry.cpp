@@ -68,6 +68,15 @@ OptionTable<loop::SpinTeamOptions> team_options() {
                &loop::SpinTeamOptions::fifo_priority);
 }
 
+/// Models without contact must not ignore the obstacles of the configuration.
+void check_no_obstacles(const config::Node& node, const std::string& key, const Context& context) {
+  if (!context.object->obstacles.empty())
+    node.fail(key,
+              "does not know contact with obstacles; allowed with obstacles: component "
+              "corotational_quasistatic, or corotational_dynamic with integrator "
+              "backward_euler");
+}
+
 template <class Corotational>
 Model make_corotational(const config::Node& node, const Context& context) {
   constexpr bool kDynamic = std::is_same_v<Corotational, elasticity::CorotationalDynamic>;
@@ -79,12 +88,14 @@ Model make_corotational(const config::Node& node, const Context& context) {
                   {"backward_euler", "thesis2018"}, "backward_euler");
   if (integrator == "thesis2018") {
     if (!kDynamic) node.fail("integrator", "thesis2018 needs component corotational_dynamic");
+    check_no_obstacles(node, "integrator", context);
     return std::make_unique<elasticity::Thesis2018>(body);
   }
   elasticity::SolverOptions options = node.read(solver_options());
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;
+  options.contact.obstacles = context.object->obstacles;
   const loop::SpinTeamOptions team = node.read(team_options());
   if (team.size > 1) options.team = std::make_shared<loop::SpinTeam>(team);
   return std::make_unique<Corotational>(body, options);
@@ -123,6 +134,8 @@ Model make_deformation_model(const config::Node& node, const Context& context) {
                            "Largest number of parts of a step; more parts allow a higher stiffness",
                            {1, 100}, &ShapeMatchingOptions::max_substeps),
               from_options<elasticity::ShapeMatchingModel>());
+  const std::string component = slot.name(node, context);
+  if (component.rfind("corotational_", 0) != 0) check_no_obstacles(node, "component", context);
   return slot.make(node, context);
 }
 

@@ -12,6 +12,7 @@
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
 #include "rt/registry/box.hpp"
+#include "rt/registry/obstacles.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -219,6 +220,7 @@ Object read_object(const config::Node& root, const Frames& frames,
                    std::vector<std::string>* remarks) {
   const config::Node node = root.child({"object", "", "Soft object"});
   Object object;
+  object.obstacles = read_obstacles(root, frames.X_WO);
   const bool is_quadratic =
       node.choice(
           {"order", "", "Order of the elements; quadratic ones have 10 nodes and bend correctly"},

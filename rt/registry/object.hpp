@@ -3,22 +3,25 @@
 #include <string>
 #include <vector>
 
+#include "core/collision/obstacle.hpp"
 #include "core/elasticity/body.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/registry/frames.hpp"
 
 namespace palpate::registry {
 
-/// Model of the object, from the section `object`.
+/// Model of the object, from the section `object`, and of its surroundings, from `obstacles`.
 struct Object {
   mesh::TetrahedralMesh corners;  // linear mesh, whose nodes come first in the body's
   std::int64_t hash = 0;
   elasticity::Body body;
   mesh::Surface surface;
+  std::vector<collision::Obstacle> obstacles;  // which it may touch, in O
 };
 
-/// Reads `object`. Where `material_file` (of palpate-fit) has a constant, it overrides `material`,
-/// and `damping` where that has no value. The rest pose of a grasp is `grasp_at_rest`
+/// Reads `object` and `obstacles`. Where `material_file` (of palpate-fit) has a constant, it
+/// overrides `material`, and `damping` where that has no value. The rest pose of a grasp is
+/// `grasp_at_rest`
 /// (`second_grasp_at_rest`) or the centre of the grasped nodes with the axes of O. `remarks`
 /// receives a line for each bound of a box that lies between rows of the mesh's nodes; may be null.
 /// Throws config::Error.

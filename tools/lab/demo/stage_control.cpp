@@ -21,7 +21,7 @@ std::string level_of(bool is_drawn, std::size_t i) {
   return is_drawn ? "calibrated " + std::to_string(i + 1) : "none";
 }
 
-void judge(scores::ScoredRun& run) {
+void judge_control(scores::ScoredRun& run) {
   if (!run.feature) throw runs::RunFailed("the log holds no target");
   if (!run.feature->within_5mm)
     run.missed.push_back("the plant's feature did not come to stay within 5 mm (and 1 degree)");
@@ -53,7 +53,7 @@ scores::ScoredRun run_target(Demo& demo, const runs::ControlTarget& target,
     const runs::RunFiles files = runs::run_live(plan, demo.log_folder(plan.name), progress);
     const log::RunLog log = log::read_run(files.control, files.housekeeping);
     scores::score_into(scored, log, scores::gate_of(plan));
-    judge(scored);
+    judge_control(scored);
     draw_control(demo, scored, log, target);
     progress.finish(scored.missed.empty());
   } catch (const common::Interrupted&) {

@@ -41,7 +41,7 @@ struct SensingRun {
   std::optional<log::RunLog> log;
 };
 
-void judge(scores::ScoredRun& run) {
+void judge_sensing(scores::ScoredRun& run) {
   const scores::ErrorSummary error = run.shape->at_holds();
   const Bars& bars = run.mismatch == "none" ? kWithoutModelError : kWithModelError;
   const auto check = [&run](const char* what, double value, double bar) {
@@ -80,7 +80,7 @@ SensingRun run_live_method(Demo& demo, const runs::Method& method, const runs::M
     run.log = log::read_run(run.files.control, run.files.housekeeping);
     scores::score_into(run.scored, *run.log, scores::gate_of(plan));
     scores::check_poses(run.scored, plan.source.scene);
-    judge(run.scored);
+    judge_sensing(run.scored);
     progress.finish(run.scored.missed.empty());
   } catch (const common::Interrupted&) {
     throw;

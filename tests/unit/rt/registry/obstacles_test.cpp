@@ -1,0 +1,128 @@
+// Obstacles of the configuration, and what is said of faults in them.
+
+#include "rt/registry/obstacles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/elasticity/corotational_model.hpp"
+#include "rt/registry/registry.hpp"
+
+namespace palpate::registry {
+namespace {
+
+std::vector<collision::Obstacle> read(const std::string& list,
+                                      const math::Pose& X_WO = math::Pose::Identity()) {
+  const config::Node root = config::Node::from_text("obstacles:\n" + list, "cell.yaml");
+  std::vector<collision::Obstacle> obstacles = read_obstacles(root, X_WO);
+  root.check_all_used();
+  return obstacles;
+}
+
+TEST(Obstacles, EachShapeIsReadAndPlacedInO) {
+  const math::Pose X_WO = math::make_pose(math::exp_rotation({0, 0, M_PI}), {1.36, 0.03, 0.28});
+  const auto obstacles = read(
+      "  - {name: table, shape: half_space, pose: {position: [0, 0, 0.255]}, friction: 0.7}\n"
+      "  - {name: rod, shape: cylinder, radius: 0.03, length: 0.2,\n"
+      "     pose: {position: [1.12, 0, 0.235], rpy_deg: [90, 0, 0]}}\n"
+      "  - {name: crate, shape: box, size: [0.2, 0.1, 0.04]}\n"
+      "  - {name: ball, shape: sphere, radius: 0.02}\n"
+      "  - {name: finger, shape: capsule, radius: 0.01, length: 0.05}\n",
+      X_WO);
+  ASSERT_EQ(obstacles.size(), 5u);
+  EXPECT_EQ(obstacles[0].name, "table");
+  EXPECT_EQ(obstacles[0].friction, 0.7);
+  EXPECT_NEAR(collision::distance(obstacles[0], {0.3, 0.1, -0.02}), 0.005, 1e-12);
+  // below the middle of a bar along x of O
+  EXPECT_NEAR(collision::distance(obstacles[1], {0.24, 0.03, -0.01}), 0.005, 1e-12);
+  EXPECT_NEAR(collision::distance(obstacles[1], {0.24, 0.14, -0.045}), 0.01, 1e-12);
+  EXPECT_NEAR(collision::distance(obstacles[2], X_WO.inverse() * Eigen::Vector3d(0.11, 0, 0)), 0.01,
+              1e-12);
+  EXPECT_NEAR(collision::distance(obstacles[3], X_WO.inverse() * Eigen::Vector3d(0.05, 0, 0)), 0.03,
+              1e-12);
+  EXPECT_NEAR(collision::distance(obstacles[4], X_WO.inverse() * Eigen::Vector3d(0, 0, 0.04)),
+              0.005, 1e-12);
+}
+
+TEST(Obstacles, ASurfaceFileBecomesAGridOfDistances) {
+  const std::string file = ::testing::TempDir() + "obstacle.obj";
+  std::ofstream(file) << "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
+                         "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const auto obstacles = read("  - {name: wedge, shape: mesh, cell: 0.004, file: " + file + "}\n");
+  EXPECT_NEAR(collision::distance(obstacles[0], {0.03, 0.03, -0.005}), 0.005, 1e-6);
+  EXPECT_LT(collision::distance(obstacles[0], {0.02, 0.02, 0.02}), 0);
+}
+
+void expect_error(const std::string& list, const std::string& part) {
+  try {
+    read(list);
+    ADD_FAILURE() << "accepted: " << list;
+  } catch (const config::Error& error) {
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+TEST(Obstacles, FaultsAreNamed) {
+  expect_error("  - {shape: half_space}\n", "name");
+  expect_error("  - {name: a, shape: plane}\n", "half_space");
+  expect_error("  - {name: a, shape: sphere}\n", "radius");
+  expect_error("  - {name: a, shape: sphere, radius: -1}\n", "radius");
+  expect_error("  - {name: a, shape: capsule, radius: 0.1}\n", "length");
+  expect_error("  - {name: a, shape: half_space, radius: 0.1}\n", "radius");
+  expect_error("  - {name: a, shape: half_space, friction: -0.1}\n", "friction");
+  expect_error("  - {name: a, shape: half_space}\n  - {name: a, shape: half_space}\n",
+               "another obstacle");
+  expect_error("  - {name: a, shape: mesh, file: missing.stl}\n", "missing.stl");
+}
+
+/// Model of the example with a table, with another component.
+std::unique_ptr<elasticity::DeformationModel> model_on_a_table(const std::string& component) {
+  const config::Node root = config::Node::load_file(
+      std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft_table.yaml",
+      {"deformation={component: " + component + "}"});
+  Context context;
+  context.frames = read_frames(root);
+  const Object object = read_object(root, context.frames);
+  context.object = &object;
+  return make_deformation_model(root.child("deformation"), context);
+}
+
+TEST(Obstacles, ReachTheModelThatKnowsContact) {
+  for (const char* component : {"corotational_quasistatic", "corotational_dynamic"}) {
+    const auto model = model_on_a_table(component);
+    auto& corotational = dynamic_cast<elasticity::CorotationalModel&>(*model);
+    corotational.prepare();
+    math::Pose hand = model->body().grasps[0].X_OG_rest;
+    for (int i = 0; i < 100; ++i) {
+      hand.translation().z() -= 2.4e-4;
+      hand.linear() = math::exp_rotation({0, -2e-3 * i, 0});
+      corotational.hold(0, hand);
+      corotational.step(1e-3);
+      if (elasticity::Refactorisation* job = corotational.wanted_refactorisation()) {
+        job->run();
+        corotational.install(*job);
+      }
+    }
+    double force = 0;
+    for (const elasticity::SurfaceContact& contact : corotational.contacts())
+      force += contact.force.z();
+    EXPECT_GT(force, 1e-3) << component;
+    EXPECT_GT(corotational.positions().row(2).minCoeff(), -0.0252) << component;
+  }
+}
+
+TEST(Obstacles, AreNotIgnoredByAModelWithoutContact) {
+  for (const char* component : {"linear", "mass_spring", "shape_matching",
+                                "corotational_dynamic, integrator: thesis2018"}) {
+    try {
+      model_on_a_table(component);
+      ADD_FAILURE() << component;
+    } catch (const config::Error& error) {
+      EXPECT_NE(std::string(error.what()).find("obstacles"), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::registry
