@@ -27,9 +27,16 @@ TwistLawOptions options_for(int grasps) {
   return options;
 }
 
+elasticity::SolverOptions accurate() {
+  elasticity::SolverOptions options;
+  options.iterations = 6;
+  options.tolerance = 1e-8;
+  return options;
+}
+
 class TwoGraspsOfABar : public ::testing::Test {
  protected:
-  TwoGraspsOfABar() : model_(support::bar_between_hands(mesh::ElementOrder::kLinear), {6, 1e-8}) {
+  TwoGraspsOfABar() : model_(support::bar_between_hands(mesh::ElementOrder::kLinear), accurate()) {
     model_.prepare();
     for (int g = 0; g < 2; ++g) X_OG_[g] = model_.body().grasps[g].X_OG_rest;
     for (int i = 0; i < 40; ++i) {
