@@ -69,6 +69,8 @@ void write_models(const fs::path& folder) {
   std::ofstream(folder / "foam.msh")
       << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.2 0 0\n3 0.1 0.04 0\n"
          "4 0.1 0.02 0.04\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
+  std::ofstream(folder / "wedge.obj") << "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
+                                         "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 #ifndef PALPATE_WITHOUT_TORCH
   const std::vector<inference::Channel> force = {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}};
   std::vector<inference::Channel> wrench = force;
