@@ -158,11 +158,12 @@ OptionTable<estimation::SurfaceFit::Options> surface_fit_options() {
 OptionTable<estimation::LearningGuard::Options> consistency_options() {
   using Options = estimation::LearningGuard::Options;
   return OptionTable<Options>()
-      .flag("consistency_test",
-            "Test whether the wrenches contradict the model, and learn from them as the test allows; "
-            "while they contradict it, the estimator is degraded and learns nothing. A lasting "
-            "change keeps it so until the component is reset",
-            &Options::enabled)
+      .flag(
+          "consistency_test",
+          "Test whether the wrenches contradict the model, and learn from them as the test allows; "
+          "while they contradict it, the estimator is degraded and learns nothing. A lasting "
+          "change keeps it so until the component is reset",
+          &Options::enabled)
       .number("poisson_ratio_deviation", "",
               "Standard deviation of Poisson's ratio; for the test of the wrenches' consistency",
               {0, 0.5}, &Options::poisson)

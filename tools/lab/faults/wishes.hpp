@@ -16,7 +16,8 @@ inline constexpr Wish kWishes[] = {
     {"object", "", "mesh: {box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}"},
     {"deformation", "corotational_dynamic", ""},
     {"deformation", "corotational_quasistatic", ""},
-    {"estimation", "pose_wrench_filter", ""},
+    // Linear elements are stiffer than the object, which the test of the wrenches would report.
+    {"estimation", "pose_wrench_filter", "consistency_test: false"},
     {"estimation", "pose_driven", ""},
     {"control", "", "provider: kinematic"},
     {"control", "", "provider: fem"},

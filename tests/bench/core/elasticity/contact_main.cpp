@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/elasticity/corotational_model.hpp"
+#include "rt/config/command_line.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -121,7 +122,7 @@ int main(int argc, char** argv) {
   app.add_option("--delay", options.delay, "Steps between a snapshot and its factor");
   app.add_option("--friction", options.friction, "Coulomb friction coefficient of the table");
   app.add_option("--sweeps", options.sweeps, "Gauss-Seidel sweeps per correction");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
   for (const bool table : {false, true}) {
     options.table = table;
     palpate::bench::run(options);

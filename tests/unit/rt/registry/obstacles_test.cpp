@@ -105,10 +105,11 @@ TEST(Obstacles, ReachTheModelThatKnowsContact) {
       }
     }
     double force = 0;
-    for (const elasticity::SurfaceContact& contact : corotational.contacts())
+    for (const elasticity::SurfaceContact& contact : corotational.contacts()) {
       force += contact.force.z();
+      EXPECT_GT(contact.position.z(), -0.0252) << component;
+    }
     EXPECT_GT(force, 1e-3) << component;
-    EXPECT_GT(corotational.positions().row(2).minCoeff(), -0.0252) << component;
   }
 }
 

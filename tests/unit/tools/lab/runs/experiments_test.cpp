@@ -76,10 +76,11 @@ TEST(Mismatch, UnknownLevelNamesTheKnownOnes) {
   }
 }
 
-TEST(Methods, TheFirstIsTheConfigurationAsItStands) {
+TEST(Methods, TheFirstIsTheFilterAndNoTwoAreAlike) {
   const std::vector<Method> methods = read_methods(kFolder / "methods.yaml");
   ASSERT_GE(methods.size(), 2u);
-  EXPECT_TRUE(methods[0].overrides.empty());
+  EXPECT_EQ(methods[0].overrides,
+            std::vector<std::string>{"estimation.component=pose_wrench_filter"});
   std::set<std::vector<std::string>> different;
   for (const Method& method : methods)
     EXPECT_TRUE(different.insert(method.overrides).second) << method.name;
