@@ -23,8 +23,11 @@ class DiscrepancyPipeline : public ::testing::Test {
   void build(const std::string& policy, const std::string& control = kTwistControl,
              const std::vector<std::string>& others = {}) {
     std::vector<std::string> all = {
-        "sensing=[]", "object.mesh={box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}",
-        "object.order=linear", "object.gravity=false", "object.grasp_box.lower=[0.495, 0, 0]",
+        "sensing=[]",
+        "object.mesh={box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}",
+        "object.order=linear",
+        "object.gravity=false",
+        "object.grasp_box.lower=[0.495, 0, 0]",
         control + policy + "}"};
     all.insert(all.end(), others.begin(), others.end());
     const config::Node root =
