@@ -40,11 +40,6 @@ class CauseHypothesis {
   int place() const noexcept { return place_; }
   /// Mean of the states of its own.
   math::Vector6d value() const noexcept;
-  /// Their covariance; of causes with six states.
-  math::Matrix6d covariance() const noexcept {
-    const int first = knowledge_.states().count();
-    return knowledge_.covariance().block<6, 6>(first, first);
-  }
   /// Logarithm of the probability, times 2, that signs are possible: a contact presses, a weight
   /// pulls downward, compliances are positive.
   double log_possible(const CauseRecord& record) const noexcept;
