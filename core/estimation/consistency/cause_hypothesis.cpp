@@ -38,7 +38,7 @@ Eigen::Matrix3d pressing(const Eigen::Vector3d& inward, double force) noexcept {
 
 }  // namespace
 
-int CauseHypothesis::size() const noexcept {
+int CauseHypothesis::state_count() const noexcept {
   if (!has_states_) return 0;
   switch (cause_) {
     case Cause::kUnknown:
@@ -62,7 +62,7 @@ void CauseHypothesis::begin(const WrenchKnowledge& before, const Eigen::Vector2d
                             const math::Vector6d& difference) noexcept {
   const double force = std::max(kLeastForce, difference.head<3>().norm()),
                torque = std::max(kLeastTorque, difference.tail<3>().norm());
-  WrenchKnowledge::Vector prior = WrenchKnowledge::Vector::Zero(size());
+  WrenchKnowledge::Vector prior = WrenchKnowledge::Vector::Zero(state_count());
   const auto six = [&prior](double linear, double angular) {
     prior << Eigen::Vector3d::Constant(linear), Eigen::Vector3d::Constant(angular);
   };
@@ -105,7 +105,7 @@ WrenchKnowledge::Appended CauseHypothesis::rows(int hand,
   const HandRecord& known = record.hands[hand];
   const CauseResponses::Hand& responses = record.responses[hand];
   const WrenchStates states = knowledge_.states();
-  WrenchKnowledge::Appended own = WrenchKnowledge::Appended::Zero(6, size());
+  WrenchKnowledge::Appended own = WrenchKnowledge::Appended::Zero(6, state_count());
   if (!has_states_) return own;
   switch (cause_) {
     case Cause::kUnknown:
@@ -199,9 +199,14 @@ double CauseHypothesis::take(const CauseRecord& record) noexcept {
 math::Vector6d CauseHypothesis::value() const noexcept {
   math::Vector6d value = math::Vector6d::Zero();
   const int first = knowledge_.states().count(),
-            count = cause_ == Cause::kContact ? kContactForce : std::min(6, size());
+            count = cause_ == Cause::kContact ? kContactForce : std::min(6, state_count());
   value.head(count) = knowledge_.mean().segment(first, count);
   return value;
+}
+
+double CauseHypothesis::relative_size() const noexcept {
+  const auto own = knowledge_.mean().tail(state_count());
+  return own.cwiseAbs2().cwiseQuotient(prior_).cwiseSqrt().maxCoeff();
 }
 
 double CauseHypothesis::log_possible(const CauseRecord& record) const noexcept {

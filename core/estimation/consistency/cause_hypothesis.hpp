@@ -40,6 +40,8 @@ class CauseHypothesis {
   int place() const noexcept { return place_; }
   /// Mean of the states of its own.
   math::Vector6d value() const noexcept;
+  /// Largest of them, in prior standard deviations.
+  double relative_size() const noexcept;
   /// Logarithm of the probability, times 2, that signs are possible: a contact presses, a weight
   /// pulls downward, compliances are positive.
   double log_possible(const CauseRecord& record) const noexcept;
@@ -50,7 +52,7 @@ class CauseHypothesis {
   WrenchKnowledge absorbed() const noexcept;
 
  private:
-  int size() const noexcept;  // number of states of its own
+  int state_count() const noexcept;  // of its own
   WrenchKnowledge::Appended rows(int hand, const CauseRecord& record) const noexcept;
   void diffuse(const CauseRecord& record) noexcept;
 

@@ -17,6 +17,11 @@ constexpr double kMostAdvantage = 8;
 /// Successive records are not independent: their evidence counts less.
 constexpr double kIndependence = 0.5;
 constexpr double kUnknownPrior = -8;  // logarithm, relative to each of the other causes
+/// Probability ratio of lasting causes and the model that is reported: one false report in as many
+/// runs.
+constexpr double kSuspicious = 50;
+constexpr int kSuspiciousRecords = 3;  // in which a sudden discrepancy would have been found
+constexpr double kLarge = 0.5;         // prior deviations, of a cause that would move the shape
 // An explanation is certain with this probability and misfit for so many records.
 constexpr double kCertain = 0.98, kFits = 2;
 constexpr int kCertainRecords = 15;
@@ -59,9 +64,9 @@ void Explanations::reset() noexcept {
 }
 
 void Explanations::finish() noexcept {
-  is_active_ = false;
+  is_active_ = is_suspected_ = false;
   needs_restart_ = true;
-  count_ = certain_rounds_ = 0;
+  count_ = certain_rounds_ = suspicious_records_ = 0;
 }
 
 void Explanations::restart(const WrenchKnowledge& knowledge) noexcept {
@@ -105,13 +110,36 @@ void Explanations::add_record(const WrenchConsistency& test) noexcept {
   };
   add(model_);
   for (Lasting& cause : lasting_) add(cause);
+  weigh_lasting_causes();
+}
+
+/// Sequential probability ratio test of the model against the mixture of the lasting causes: while
+/// the model holds, the ratio exceeds 1 / a with probability a at most, however long it runs (Ville
+/// 1939). Causes that would move the shape little do not count, and what began suddenly is no
+/// lasting cause, though some may imitate it.
+void Explanations::weigh_lasting_causes() noexcept {
+  const auto now = slot_of_sum(newest_);
+  double ratio = 0;
+  for (const Lasting& cause : lasting_) {
+    if (cause.hypothesis.relative_size() < kLarge) continue;
+    ratio += std::exp(kIndependence * (cause.sum[now] - model_.sum[now]) +
+                      cause.hypothesis.log_possible(records_[slot(newest_)]));
+  }
+  ratio /= static_cast<double>(lasting_.size());
+  if (is_active_) {
+    is_suspected_ = is_suspected_ && ratio > 1;
+    return;
+  }
+  suspicious_records_ = ratio > kSuspicious ? suspicious_records_ + 1 : 0;
+  is_suspected_ = suspicious_records_ >= kSuspiciousRecords;
 }
 
 /// The causes that begin now start from the last knowledge that is not affected. Records since then
 /// are skipped, because the discrepancy began somewhere among them.
 void Explanations::begin(const WrenchConsistency& test) noexcept {
   current_ = newest_ + 1;
-  const long back = test.snapshots_back() >= WrenchConsistency::kSnapshots
+  const long back = test.is_suspected() ? 0
+                    : test.snapshots_back() >= WrenchConsistency::kSnapshots
                         ? kSums
                         : test.snapshots_back() * kRecordsPerSnapshot;
   const long unaffected = std::max({started_ - 1, newest_ - back, newest_ - (kSums - 1)});

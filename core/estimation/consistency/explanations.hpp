@@ -27,6 +27,8 @@ class Explanations {
   void advance(double dt) noexcept;
   /// The discrepancy has ended, or its explanation has been adopted.
   void finish() noexcept;
+  /// Whether a cause that exists from the start is much more likely than the model, and large.
+  bool suspects_lasting_cause() const noexcept { return is_suspected_; }
   /// Writes the ranking, or none while the wrenches are consistent.
   void write(DiscrepancyReport& report) const noexcept;
   /// A slip or bias that explains the wrenches without reasonable doubt; nullptr: none.
@@ -59,6 +61,7 @@ class Explanations {
   void restart(const WrenchKnowledge& knowledge) noexcept;
   void begin(const WrenchConsistency& test) noexcept;
   void add_record(const WrenchConsistency& test) noexcept;
+  void weigh_lasting_causes() noexcept;
   void rank() noexcept;
   void weigh_places() noexcept;
 
@@ -74,6 +77,8 @@ class Explanations {
   std::vector<Sudden> sudden_;                                // contacts first
   std::array<double, CauseResponses::kPlaces> log_weight_{};  // of the places of a contact
   double contact_evidence_ = 0;
+  bool is_suspected_ = false;  // a lasting cause
+  int suspicious_records_ = 0;
   bool is_active_ = false;     // during a discrepancy
   bool needs_restart_ = true;  // of the lasting causes, whose states hold a discrepancy, or nothing
   int count_ = 0;

@@ -28,6 +28,7 @@ bool LearningGuard::permits(const Innovation& now, bool has_contact, FusedState&
   if (can_assume && !has_contact && !test_.is_inconsistent()) wrenches.absorb(now);
   if (!test_.has_tested()) return may_learn;
   explanations_.take(test_, state, model);
+  test_.suspect(explanations_.suspects_lasting_cause());
   const CauseHypothesis* cause = explanations_.certain();
   const bool adopts = cause != nullptr && can_assume;
   if (adopts) {

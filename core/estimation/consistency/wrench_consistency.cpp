@@ -13,7 +13,7 @@ constexpr std::array<int, 4> kAges{1, 2, 4, 8};
 constexpr double kTestsPerHour = 3600.0 * (kAges.size() + 1);
 /// Fraction of the threshold that applies to the prior: the deviations of what was set up are
 /// bounds rather than those of a normal distribution.
-constexpr double kOfPrior = 0.6;
+constexpr double kOfPrior = 0.48;
 constexpr int kConsecutive = 2;     // tests beyond the threshold that begin a discrepancy
 constexpr double kEnded = 0.5;      // fraction of the threshold below which it ends
 constexpr double kEndsAfter = 0.3;  // s
@@ -94,7 +94,7 @@ void WrenchConsistency::reset() noexcept {
     hand.travel = hand.time = 0;
   }
   discrepancy_ = Discrepancy();
-  is_inconsistent_ = has_just_begun_ = false;
+  is_inconsistent_ = has_just_begun_ = is_suspected_ = false;
   snapshots_back_ = passed_ = 0;
 }
 
@@ -221,7 +221,7 @@ void WrenchConsistency::judge() noexcept {
   }
   if (discrepancy_.test < 0) return;  // no wrench
   if (is_inconsistent_) {
-    const bool passes = discrepancy_.test < kEnded * threshold_;
+    const bool passes = !is_suspected_ && discrepancy_.test < kEnded * threshold_;
     passed_ = passes ? passed_ + 1 : 0;
     if (passed_ * kPeriod >= kEndsAfter) {
       is_inconsistent_ = false;
@@ -230,7 +230,8 @@ void WrenchConsistency::judge() noexcept {
     return;
   }
   exceeded_ = back > 0 ? exceeded_ + 1 : 0;
-  if (exceeded_ < kConsecutive) return;
+  if (exceeded_ < kConsecutive && !is_suspected_) return;
+  if (back == 0) back = kSnapshots;
   is_inconsistent_ = has_just_begun_ = true;
   passed_ = 0;
   snapshots_back_ = back;
@@ -247,7 +248,7 @@ void WrenchConsistency::learn_from_wrenches() noexcept {
 
 void WrenchConsistency::resume(const WrenchKnowledge& knowledge) noexcept {
   now_ = initial_ = knowledge;
-  is_inconsistent_ = false;
+  is_inconsistent_ = is_suspected_ = false;
   forget_snapshots();
 }
 

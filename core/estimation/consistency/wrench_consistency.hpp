@@ -56,6 +56,11 @@ class WrenchConsistency {
   bool take(const Innovation& now, const FusedState& state,
             const elasticity::DeformationModel& model, bool learn) noexcept;
 
+  /// Whether a cause that exists from the start is known, by other means, to explain the wrenches
+  /// better than the model: while it is, they count as inconsistent with the prior.
+  void suspect(bool is_suspected) noexcept { is_suspected_ = is_suspected; }
+  bool is_suspected() const noexcept { return is_suspected_; }
+
   /// Whether the last take() made a test, of record().
   bool has_tested() const noexcept { return sum_count_ == 0; }
   const WrenchRecord& record() const noexcept { return record_; }
@@ -100,7 +105,7 @@ class WrenchConsistency {
   int sum_count_ = 0;
   Discrepancy discrepancy_;
   std::array<math::Vector6d, 2> differences_, deviations_;  // of the last test
-  bool is_inconsistent_ = false, has_just_begun_ = false;
+  bool is_inconsistent_ = false, has_just_begun_ = false, is_suspected_ = false;
   int snapshots_back_ = 0, exceeded_ = 0, passed_ = 0;
 };
 
