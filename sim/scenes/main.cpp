@@ -11,6 +11,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "rt/bus/instance_lock.hpp"
 #include "rt/config/command_line.hpp"
 #include "sim/scenes/pacing.hpp"
+#include "sim/scenes/run_recorder.hpp"
 #include "sim/scenes/simulation.hpp"
 #include "sim/scenes/soft_box_plant.hpp"
 
@@ -27,6 +29,7 @@ namespace {
 namespace bus = palpate::bus;
 using palpate::scenes::LockStep;
 using palpate::scenes::RealTimePacer;
+using palpate::scenes::RunRecorder;
 using palpate::scenes::Simulation;
 using Clock = std::chrono::steady_clock;
 
@@ -37,8 +40,33 @@ struct Options {
   std::string scene;
   std::vector<std::string> overrides;
   std::string json;
+  std::string record;   // folder; empty: messages go to the network
   double duration = 0;  // s, 0: until a signal
   bool fast = false;
+};
+
+/// Where the messages of a run go to.
+class Buses {
+ public:
+  Buses(const Options& options, const palpate::scenes::BusUrls& urls) {
+    if (!options.record.empty()) {
+      recorder_.emplace(options.record);
+      return;
+    }
+    lock_.emplace(urls.control, "palpate-sim");
+    control_ = bus::make_lcm_bus(urls.control);
+    housekeeping_ = bus::make_lcm_bus(urls.housekeeping);
+  }
+
+  bus::MessageBus& control() { return recorder_ ? recorder_->control() : *control_; }
+  bus::MessageBus& housekeeping() { return recorder_ ? recorder_->housekeeping() : *housekeeping_; }
+  /// nullptr: messages go to the network.
+  RunRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
+
+ private:
+  std::optional<RunRecorder> recorder_;
+  std::optional<bus::InstanceLock> lock_;
+  std::unique_ptr<bus::MessageBus> control_, housekeeping_;
 };
 
 nlohmann::json run_real_time(Simulation& simulation, bus::MessageBus& control, std::int64_t ticks) {
@@ -79,6 +107,15 @@ nlohmann::json run_fast(Simulation& simulation, LockStep& lock_step, std::int64_
   return {{"mode", "lock-step"}, {"ticks_sent_again", lock_step.repeats()}};
 }
 
+/// Without a daemon, as fast as it goes.
+nlohmann::json run_recorded(Simulation& simulation, RunRecorder& recorder, std::int64_t ticks) {
+  while (!stop && simulation.tick() < ticks) {
+    simulation.step();
+    recorder.write(simulation.utime());
+  }
+  return {{"mode", "recorded"}};
+}
+
 void report(const Simulation& simulation, const nlohmann::json& result) {
   std::printf("simulated %.3f s in %.3f s, real-time factor %.3f",
               result["simulated_s"].get<double>(), result["wall_s"].get<double>(),
@@ -99,14 +136,14 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
 
 int run(const Options& options) {
   const auto node = palpate::config::Node::load_file(options.scene, options.overrides);
-  const palpate::scenes::BusUrls urls = palpate::scenes::read_scene(node).bus;
-  const bus::InstanceLock lock(urls.control, "palpate-sim");
-  const auto control = bus::make_lcm_bus(urls.control);
-  const auto housekeeping = bus::make_lcm_bus(urls.housekeeping);
+  const palpate::scenes::Scene scene = palpate::scenes::read_scene(node);
+  if (!options.record.empty() && !scene.motion)
+    throw palpate::config::Error(options.scene + ": --record needs a scene with a motion");
+  Buses buses(options, scene.bus);
   const palpate::scenes::Origin origin{bus::random_session(), 0};
-  Simulation simulation(node, *control, *housekeeping, origin);
-  LockStep lock_step(*control, origin.session);
-  control->start_without_thread();  // the housekeeping bus is only written
+  Simulation simulation(node, buses.control(), buses.housekeeping(), origin);
+  LockStep lock_step(buses.control(), origin.session);
+  buses.control().start_without_thread();  // the housekeeping bus is only written
   spdlog::info("palpate-sim {}: {} nodes, {}", PALPATE_VERSION,
                simulation.object().positions().cols(),
                simulation.scene().motion ? "moves by itself" : "obeys commands");
@@ -121,14 +158,22 @@ int run(const Options& options) {
 
   const auto begin = Clock::now();
   // Values derived from time stamps depend on them down to the last bit, through rounding.
-  simulation.start_clock(options.fast ? 0 : bus::wall_clock_us());
-  const std::int64_t ticks = options.duration > 0
-                                 ? std::llround(options.duration / Simulation::kPeriod)
-                                 : std::numeric_limits<std::int64_t>::max();
-  nlohmann::json result = options.fast ? run_fast(simulation, lock_step, ticks)
-                                       : run_real_time(simulation, *control, ticks);
+  const bool in_virtual_time = options.fast || buses.recorder() != nullptr;
+  simulation.start_clock(in_virtual_time ? 0 : bus::wall_clock_us());
+  std::int64_t ticks = std::numeric_limits<std::int64_t>::max();
+  if (options.duration > 0)
+    ticks = std::llround(options.duration / Simulation::kPeriod);
+  else if (buses.recorder() != nullptr)
+    ticks = std::llround(scene.motion->duration() / Simulation::kPeriod);
+  nlohmann::json result;
+  if (buses.recorder() != nullptr)
+    result = run_recorded(simulation, *buses.recorder(), ticks);
+  else if (options.fast)
+    result = run_fast(simulation, lock_step, ticks);
+  else
+    result = run_real_time(simulation, buses.control(), ticks);
   const double wall = std::chrono::duration<double>(Clock::now() - begin).count();
-  control->stop();
+  buses.control().stop();
 
   result["version"] = PALPATE_VERSION;
   result["scene"] = options.scene;
@@ -170,13 +215,20 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_flag("--fast", options.fast,
                "as fast as it goes, tick by tick with a daemon that runs with --stepped");
-  app.add_option("--duration", options.duration, "simulated seconds; without it until a signal")
+  app.add_option("--record", options.record,
+                 "without a daemon, as fast as it goes: the messages go to sensors.log and "
+                 "truth.log in this folder, for palpate-replay; the scene must have a motion")
+      ->excludes("--fast");
+  app.add_option("--duration", options.duration,
+                 "simulated seconds; without it until a signal, or the end of the motion with "
+                 "--record")
       ->check(CLI::PositiveNumber);
   app.add_option("--json", options.json, "write the summary to this file at the end");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
-      "  palpate-sim scene.yaml --duration 30 --set seed=2");
+      "  palpate-sim scene.yaml --duration 30 --set seed=2\n"
+      "  palpate-sim sim/scenes/bar_long_soft_six_poses.yaml --record out/six_poses");
   if (const auto code = palpate::config::parse(
           app, argc, argv, {{{0, "ended by a signal or after --duration"}, {78, "wrong scene"}}}))
     return *code;

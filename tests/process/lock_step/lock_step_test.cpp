@@ -13,6 +13,7 @@
 
 #include "core/math/random.hpp"
 #include "core/math/rigid.hpp"
+#include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/text.hpp"
 #include "tests/process/lock_step/datagrams.hpp"
@@ -29,7 +30,14 @@ using support::Datagrams;
 const std::string kBin = PALPATE_BIN_DIR;
 const std::string kSource = PALPATE_SOURCE_DIR;
 
-/// Payloads of a run by channel, without the session, which is regenerated at each start.
+/// Payload without the session, which is regenerated at each start.
+std::vector<std::uint8_t> without_session(std::vector<std::uint8_t> payload) {
+  // Fingerprint 8, utime 8, seq 4, session 8.
+  std::fill(payload.begin() + 20, payload.begin() + 28, std::uint8_t{0});
+  return payload;
+}
+
+/// Such payloads of a run, by channel.
 using Record = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;
 
 /// Forwards the control bus between the simulator's URL and the daemon's, and drops some of the
@@ -78,11 +86,9 @@ class Relay {
   }
 
   void keep(const Datagram& datagram) {
-    std::vector<std::uint8_t> payload = datagram.payload();
-    // Fingerprint 8, utime 8, seq 4, session 8.
+    const std::vector<std::uint8_t> payload = datagram.payload();
     if (payload.size() < 28) return;
-    std::fill(payload.begin() + 20, payload.begin() + 28, std::uint8_t{0});
-    record_[datagram.channel()].push_back(std::move(payload));
+    record_[datagram.channel()].push_back(without_session(payload));
   }
 
   Datagrams sim_, daemon_, housekeeping_;
@@ -101,7 +107,7 @@ struct Outcome {
   int lost = 0;
 };
 
-/// One second of the control scene: the bar is pulled towards a target.
+/// One second of a scene; unless it moves by itself, the bar is pulled towards a target.
 class LockStepProcess : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -128,7 +134,7 @@ class LockStepProcess : public ::testing::Test {
     bus::TypedPublisher<shape_target_t>(*bus, "SHAPE_TARGET").publish(target);
   }
 
-  Outcome run(double loss) const {
+  Outcome run(double loss, const std::string& scene = "bar_long_soft_control.yaml") const {
     Outcome result;
     Relay relay(sim_url_, daemon_url_, housekeeping_url_, loss);
     const std::string housekeeping = "bus.housekeeping=" + housekeeping_url_;
@@ -140,8 +146,8 @@ class LockStepProcess : public ::testing::Test {
     command_daemon();
     const auto summary = std::filesystem::temp_directory_path() /
                          ("palpate_lock_step_" + std::to_string(getpid()) + ".json");
-    ChildProcess sim({kBin + "/palpate-sim", kSource + "/sim/scenes/bar_long_soft_control.yaml",
-                      "--fast", "--duration", "1", "--json", summary.string(), "--set",
+    ChildProcess sim({kBin + "/palpate-sim", kSource + "/sim/scenes/" + scene, "--fast",
+                      "--duration", "1", "--json", summary.string(), "--set",
                       "object.elements=[10, 1, 1]", "--set", "bus.control=" + sim_url_, "--set",
                       housekeeping});
     EXPECT_EQ(sim.wait(milliseconds(60000)), 0) << sim.output();
@@ -173,6 +179,42 @@ class LockStepProcess : public ::testing::Test {
   const std::string daemon_url_ = support::private_url(1);
   const std::string housekeeping_url_ = support::private_url(2);
 };
+
+TEST_F(LockStepProcess, ARecordingHoldsWhatALockStepRunPublishes) {
+  const std::string scene = "bar_long_soft_six_poses.yaml";
+  const Outcome published = run(0, scene);
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("palpate_recording_" + std::to_string(getpid()));
+  ChildProcess sim({kBin + "/palpate-sim", kSource + "/sim/scenes/" + scene, "--record",
+                    folder.string(), "--duration", "1", "--set", "object.elements=[10, 1, 1]"});
+  ASSERT_EQ(sim.wait(milliseconds(60000)), 0) << sim.output();
+  Record recorded;
+  for (const char* log : {"sensors.log", "truth.log"}) {
+    bus::EventLogReader reader((folder / log).string());
+    while (const bus::LoggedEvent* event = reader.next()) {
+      recorded[std::string(event->channel)].push_back(
+          without_session({event->data, event->data + event->size}));
+      if (std::string(event->channel) != "ROBOT_STATE") continue;
+      // It is sent without delay: the log's time is that of the simulation.
+      ASSERT_EQ(event->utime, 1000 * static_cast<int>(recorded["ROBOT_STATE"].size()));
+    }
+  }
+  std::filesystem::remove_all(folder);
+  for (const char* channel :
+       {"TRUTH_SHAPE", "TRUTH_CONTACT", "FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"}) {
+    ASSERT_TRUE(recorded.count(channel)) << channel;
+    ASSERT_TRUE(recorded[channel] == published.record.at(channel)) << channel;
+  }
+}
+
+TEST_F(LockStepProcess, ARecordingNeedsAMotion) {
+  ChildProcess sim({kBin + "/palpate-sim", kSource + "/sim/scenes/bar_long_soft_control.yaml",
+                    "--record", "nowhere"});
+  EXPECT_EQ(sim.wait(milliseconds(60000)), 78);
+  EXPECT_NE(sim.output().find("--record needs a scene with a motion"), std::string::npos)
+      << sim.output();
+  EXPECT_FALSE(std::filesystem::exists("nowhere"));
+}
 
 TEST_F(LockStepProcess, TwoRunsAreEqualToTheBitAndLostTicksChangeNothing) {
   const Outcome first = run(0);

@@ -1,10 +1,7 @@
 #include "tools/lab/studies/sensing_recording.hpp"
 
 #include <cmath>
-#include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
-#include <palpate/channels.hpp>
-#include <set>
 
 #include "rt/config/node.hpp"
 #include "sim/scenes/scene.hpp"
@@ -19,43 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSettle = 0.5;  // s after the end of a scene's motion
-constexpr double kSlack = 10;    // s
+constexpr double kSettle = 0.5;                    // s after the end of a scene's motion
+constexpr double kPatience = 300, kSlowness = 30;  // s, of a recording; s per simulated second
 constexpr const char* kSensorLog = "sensors.log";
 constexpr const char* kTruthLog = "truth.log";
-constexpr const char* kFormat = "recording 2";  // changes with the retained contents of a run
-
-/// The sender's clock, the second field of every message.
-std::int64_t sent_at(const bus::LoggedEvent& event) {
-  if (event.size < 16) return 0;
-  std::int64_t utime = 0;
-  for (int i = 8; i < 16; ++i) utime = utime << 8 | event.data[i];
-  return utime;
-}
-
-/// Writes the sensors' messages, each at its simulated time of arrival: in lock-step the log's own
-/// times are those of a possibly slow machine.
-void keep_sensors(const fs::path& from, const fs::path& to) {
-  static const std::set<std::string> kSensors{
-      channel::kFtWrench,         channel::kImu,     channel::kRobotState, channel::kHandState,
-      channel::kShapeObservation, channel::kBiotac0, channel::kBiotac1,    channel::kBiotac2,
-      channel::kBiotac3,          channel::kBiotac4};
-  bus::EventLogReader reader(from.string());
-  lcm::LogFile writer(to.string(), "w");
-  if (!writer.good()) throw runs::RunFailed(to.string() + " cannot be written");
-  std::int64_t now = 0;
-  while (const bus::LoggedEvent* event = reader.next()) {
-    if (kSensors.count(event->channel) == 0) continue;
-    if (event->channel == channel::kRobotState) now = std::max(now, sent_at(*event));
-    if (now == 0) continue;
-    lcm::LogEvent kept{};
-    kept.timestamp = now;
-    kept.channel = event->channel;
-    kept.datalen = event->size;
-    kept.data = const_cast<std::uint8_t*>(event->data);
-    writer.writeEvent(&kept);
-  }
-}
+constexpr const char* kFormat = "recording 3";  // changes with the retained contents of a run
 
 double motion_duration(const SensingScene& scene) {
   if (scene.duration > 0) return scene.duration;
@@ -92,22 +57,22 @@ SensingRecording record_sensing(const SensingScene& scene, const fs::path& folde
   if (has_result({"", {}, folder, hash})) return read_recording(scene, folder);
   fs::create_directories(folder);
   fs::remove(folder / "result.json");
-  runs::RunPlan plan;
-  plan.name = "recording";
-  plan.source.scene = scene.scene;
-  plan.source.scene_overrides = scene.scene_overrides;
-  plan.source.duration = motion_duration(scene);
-  plan.configuration = scene.configuration;
-  plan.overrides = scene.daemon_overrides;
-  plan.duration = plan.source.duration + kSlack;
-  plan.settled = plan.duration;
-  plan.lock_step = true;
-  common::Progress progress(1, 1, "recording of " + scene.scene.filename().string());
-  const runs::RunFiles files = runs::run_live(plan, folder, progress);
-  progress.finish(true);
-  keep_sensors(files.control, folder / kSensorLog);
-  fs::rename(files.housekeeping, folder / kTruthLog);
-  fs::remove(files.control);
+  const fs::path said = folder / "palpate-sim.txt";
+  const double duration = motion_duration(scene);
+  std::vector<std::string> command{(common::program_folder() / "palpate-sim").string(),
+                                   scene.scene.string(),
+                                   "--record",
+                                   folder.string(),
+                                   "--duration",
+                                   common::formatted("%.9g", duration)};
+  for (const std::string& setting : scene.scene_overrides) {
+    command.push_back("--set");
+    command.push_back(setting);
+  }
+  const int code = common::run_to_end(command, said, kPatience + kSlowness * duration);
+  if (code != 0)
+    throw runs::RunFailed("palpate-sim, exit code " + std::to_string(code) + ":\n" +
+                          common::tail(said, 8));
   common::write_json({{"inputs_hash", hash}, {"version", PALPATE_VERSION}}, folder / "result.json");
   return read_recording(scene, folder);
 }

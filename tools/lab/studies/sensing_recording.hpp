@@ -28,8 +28,8 @@ struct SensingScene {
 /// name, its duration, the simulator's program.
 std::string hash_of_recording(const SensingScene& scene);
 
-/// Simulates the scene in lock-step, or reuses the recording of the same hash that an earlier call
-/// has left in `folder`; result.json there holds the hash. Throws RunFailed.
+/// Simulates the scene by palpate-sim, or reuses the recording of the same hash that an earlier
+/// call has left in `folder`; result.json there holds the hash. Throws RunFailed.
 SensingRecording record_sensing(const SensingScene& scene, const std::filesystem::path& folder);
 
 /// The recording that such a call has left there. Throws RunFailed if it is missing, or of another

@@ -86,12 +86,17 @@ INSTANTIATE_TEST_SUITE_P(Studies, OwnPlan,
                                          "drawn_control"),
                          [](const auto& study) { return std::string(study.param); });
 
-TEST_F(StudyPlanTest, EachDrawHoldsOneObject) {
+/// One of our own plans with that many calibrated draws.
+StudyPlan plan_of_draws(const std::string& study, int draws) {
   LevelSelection selection;
   selection.levels = {"calibrated"};
-  selection.draws = 10;
-  const StudyPlan plan = read_study_plan(kStudyPlanRoot / "tools/lab/studies/drawn_sensing.yaml",
-                                         kStudyPlanRoot, selection);
+  selection.draws = draws;
+  return read_study_plan(kStudyPlanRoot / "tools/lab/studies" / (study + ".yaml"), kStudyPlanRoot,
+                         selection);
+}
+
+TEST_F(StudyPlanTest, EachDrawHoldsOneObject) {
+  const StudyPlan plan = plan_of_draws("drawn_sensing", 10);
   std::multiset<std::string> draws;
   for (const StudyApplication& application : plan.applications) {
     if (application.name.find("six poses") != 0) continue;
@@ -290,11 +295,7 @@ TEST_F(StudyPlanTest, ADistributionStandsForItsDraws) {
 }
 
 TEST_F(StudyPlanTest, DrawsReplaceThePlansModelErrors) {
-  LevelSelection selection;
-  selection.levels = {"calibrated"};
-  selection.draws = 2;
-  const StudyPlan plan = read_study_plan(kStudyPlanRoot / "tools/lab/studies/estimate.yaml",
-                                         kStudyPlanRoot, selection);
+  const StudyPlan plan = plan_of_draws("estimate", 2);
   for (const StudyApplication& application : plan.applications) {
     ASSERT_EQ(application.levels.size(), 2u) << application.name;
     EXPECT_EQ(application.levels[1].name, "calibrated 2");
