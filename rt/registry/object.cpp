@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 
 #include "core/elasticity/pad_compliance.hpp"
 #include "core/estimation/grasp_compliance.hpp"
@@ -13,6 +11,7 @@
 #include "rt/config/mesh_file.hpp"
 #include "rt/registry/box.hpp"
 #include "rt/registry/obstacles.hpp"
+#include "rt/registry/regions.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -27,14 +26,6 @@ void check_size(const config::Node& node, const std::string& key, double count) 
                        " nodes; allowed: at most " + std::to_string(kMostNodes));
 }
 
-Box read_box(const config::Node& object, const std::string& key) {
-  const char* nodes_are =
-      key == "fixed_box" ? "Box of the nodes that never move" : "Box of the nodes that are held";
-  return object.child({key, "", nodes_are}).read(box_options("in O at rest"));
-}
-
-constexpr double kSmallShare = 0.02;  // of the body's extent, between a bound and a row of nodes
-
 /// Whether nodes of the planes, or midway between two, lie in [lower, upper].
 bool has_row_in(double lower, double upper, bool is_quadratic, const std::vector<double>& planes) {
   const auto is_in = [&](double at) { return lower <= at && at <= upper; };
@@ -48,9 +39,7 @@ bool has_row_in(double lower, double upper, bool is_quadratic, const std::vector
 /// Planes of nodes coincide with the bounds of clamp and grasps: a bound between two rows of nodes
 /// makes a grasp smaller than it is.
 void align_with_boxes(const config::Node& object, bool is_quadratic, mesh::GridPlanes& planes) {
-  std::vector<Box> boxes;
-  for (const char* key : {"fixed_box", "grasp_box", "second_grasp_box"})
-    if (object.has(key)) boxes.push_back(read_box(object, key));
+  const std::vector<Box> boxes = boxes_of_parts(object);
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double>& along = planes[axis];
     const double near = kSmallShare * (along.back() - along.front());
@@ -71,13 +60,14 @@ void align_with_boxes(const config::Node& object, bool is_quadratic, mesh::GridP
   }
 }
 
-mesh::TetrahedralMesh read_mesh(const config::Node& object, bool is_quadratic) {
+mesh::MeshWithGroups read_mesh(const config::Node& object, bool is_quadratic) {
   const config::Node node =
       object.child({"mesh", "", "Tetrahedral mesh; exactly one of box and file"});
   if (node.has("box") == node.has("file"))
     node.fail("",
               "exactly one of box and file is allowed (an empty `box:` removes that of the base)");
-  mesh::TetrahedralMesh mesh;
+  mesh::MeshWithGroups source;
+  mesh::TetrahedralMesh& mesh = source.mesh;
   if (node.has("box")) {
     const config::Node box = node.child({"box", "", "Box with a corner in O"});
     const Eigen::Vector3d size = box.vector3({"size", "m", "Edge lengths of the box"}, {1e-3, 10});
@@ -95,7 +85,7 @@ mesh::TetrahedralMesh read_mesh(const config::Node& object, bool is_quadratic) {
     mesh = mesh::make_grid(planes, mesh::CellCut::kSix);
   } else {
     try {
-      mesh = config::load_mesh(
+      source = config::load_mesh_with_groups(
           node.path({"file", "", "Mesh file in m: TetGen .node or .ele, Gmsh .msh or Vega .veg"}));
     } catch (const std::exception& error) {
       node.fail("file", error.what());
@@ -104,64 +94,15 @@ mesh::TetrahedralMesh read_mesh(const config::Node& object, bool is_quadratic) {
   check_size(node, "", mesh.node_count());
   const mesh::MeshReport report = mesh::check(mesh);
   if (!report.ok()) node.fail("", "the mesh is broken: " + report.text());
-  return mesh;
+  return source;
 }
 
-std::string in_metres(char axis, double value) {
-  char text[48];
-  std::snprintf(text, sizeof(text), "%c = %.6g m", axis, value);
-  return text;
-}
-
-/// A bound of a box that cuts the body between two rows of nodes holds less of it than it says:
-/// 6.7 mm of 200 mm cost 0.3 mm of shape error on average and 2 mm at worst.
-void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
-                      const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
-                      const std::vector<int>& nodes, std::vector<std::string>& remarks) {
-  const Eigen::Matrix3Xd selected = mesh.nodes(Eigen::all, nodes);
-  for (int axis = 0; axis < 3; ++axis) {
-    const double extent = mesh.nodes.row(axis).maxCoeff() - mesh.nodes.row(axis).minCoeff();
-    for (const double side : {-1.0, 1.0}) {  // of the lower and of the upper bound
-      const bool at_lower = side < 0;
-      const double bound = at_lower ? lower[axis] : upper[axis];
-      const double end = side * (side * selected.row(axis)).maxCoeff();
-      if (std::abs(end - bound) <= kSmallShare * extent) continue;
-      // The body extends beyond the bound if the box holds more nodes without it.
-      Eigen::Vector3d wider_lower = lower, wider_upper = upper;
-      (at_lower ? wider_lower : wider_upper)[axis] =
-          side * (side * mesh.nodes.row(axis)).maxCoeff();
-      double outside = std::numeric_limits<double>::infinity();  // times side
-      for (const int node : mesh::nodes_in_box(mesh, wider_lower, wider_upper)) {
-        const double at = side * mesh.nodes(axis, node);
-        if (at > side * bound) outside = std::min(outside, at);
-      }
-      if (!std::isfinite(outside)) continue;
-      const char name = "xyz"[axis];
-      remarks.push_back(
-          "object." + key + (at_lower ? ".lower: " : ".upper: ") + in_metres(name, bound) +
-          " lies between rows of mesh nodes; the " + (key == "fixed_box" ? "fixed" : "held") +
-          " nodes " + (at_lower ? "begin" : "end") + " at " + in_metres(name, end) +
-          ", the next nodes outside the box are at " + in_metres(name, side * outside) +
-          ": move the bound to a row of nodes or refine the mesh");
-    }
-  }
-}
-
-std::vector<int> nodes_in(const config::Node& object, const std::string& key,
-                          const mesh::ElementMesh& mesh, std::vector<std::string>* remarks) {
-  if (!object.has(key)) return {};
-  const Box box = read_box(object, key);
-  std::vector<int> nodes = mesh::nodes_in_box(mesh, box.lower, box.upper);
-  if (nodes.empty()) object.fail(key, "no node of the mesh lies in this box");
-  if (remarks != nullptr) remark_on_bounds(key, mesh, box.lower, box.upper, nodes, *remarks);
-  return nodes;
-}
-
-elasticity::GraspRegion read_grasp(const config::Node& object, const Object& solid,
-                                   const std::string& prefix, std::vector<std::string>* remarks) {
+elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::MeshWithGroups& source,
+                                   const Object& solid, const std::string& prefix,
+                                   std::vector<std::string>* remarks) {
   const mesh::ElementMesh& mesh = solid.body.mesh;
   elasticity::GraspRegion grasp;
-  grasp.nodes = nodes_in(object, prefix + "grasp_box", mesh, remarks);
+  grasp.nodes = read_part(object, prefix + "grasp", source, mesh, remarks);
   if (object.has(prefix + "grasp_at_rest")) {
     grasp.X_OG_rest = object.pose(
         {prefix + "grasp_at_rest", "m", "X_OG at rest; absent: the centre of the held nodes"});
@@ -183,7 +124,8 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const Object& sol
 }
 
 /// Section `material`, overridden by `material_file`, and section `damping`.
-void read_material(const config::Node& object, elasticity::Body& body) {
+void read_material(const config::Node& object, const mesh::MeshWithGroups& source,
+                   elasticity::Body& body) {
   const config::Node node = config::material_section(object);
   const auto file = config::MaterialFile::read(object);
   std::optional<config::Node> linear, fitted;
@@ -197,6 +139,7 @@ void read_material(const config::Node& object, elasticity::Body& body) {
       node, linear, {"poisson_ratio", "", "Poisson's ratio nu"}, {-0.9, 0.4999});
   body.material.density =
       config::material_number(node, fitted, {"density", "kg/m^3", "Mass density"}, {0.1, 1e5});
+  read_stiffness_regions(node, source, body);
   constexpr config::Range kMass{0, 1e4}, kStiffness{0, 10};
   elasticity::Damping& damping = body.damping;
   if (file) {
@@ -225,7 +168,8 @@ Object read_object(const config::Node& root, const Frames& frames,
       node.choice(
           {"order", "", "Order of the elements; quadratic ones have 10 nodes and bend correctly"},
           {"linear", "quadratic"}, "quadratic") == "quadratic";
-  object.corners = read_mesh(node, is_quadratic);
+  const mesh::MeshWithGroups source = read_mesh(node, is_quadratic);
+  object.corners = source.mesh;
   object.hash = mesh::hash(object.corners);
   elasticity::Body& body = object.body;
   body.mesh = mesh::make_element_mesh(
@@ -233,12 +177,12 @@ Object read_object(const config::Node& root, const Frames& frames,
   check_size(node, "order", body.mesh.node_count());
   object.surface = mesh::extract_surface(body.mesh);
 
-  read_material(node, body);
-  body.fixed_nodes = nodes_in(node, "fixed_box", body.mesh, remarks);
-  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, object, "", remarks));
-  if (node.has("second_grasp_box")) {
+  read_material(node, source, body);
+  body.fixed_nodes = read_part(node, "fixed", source, body.mesh, remarks);
+  if (has_part(node, "grasp")) body.grasps.push_back(read_grasp(node, source, object, "", remarks));
+  if (has_part(node, "second_grasp")) {
     if (body.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
-    body.grasps.push_back(read_grasp(node, object, "second_", remarks));
+    body.grasps.push_back(read_grasp(node, source, object, "second_", remarks));
   }
   if ((body.grasps.size() > 1) != root.has("second_arm"))
     node.fail("second_grasp_box", "requires a section second_arm, whose hand holds there");

@@ -57,6 +57,34 @@ void write_recordings(const fs::path& folder) {
   }
 }
 
+/// Two prisms along x with named triangles at both ends and between them, and one named prism.
+void write_parts(const fs::path& file) {
+  std::ofstream out(file);
+  out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"clamp\"\n2 2 \"hand\"\n"
+         "2 3 \"other hand\"\n3 4 \"half\"\n$EndPhysicalNames\n$Nodes\n9\n";
+  for (int i = 0; i < 3; ++i) {
+    const double x = 0.25 * i;
+    out << 3 * i + 1 << ' ' << x << " -0.2 -0.2\n"
+        << 3 * i + 2 << ' ' << x << " 0.3 -0.2\n"
+        << 3 * i + 3 << ' ' << x << " 0.03 0.4\n";
+  }
+  out << "$EndNodes\n$Elements\n9\n";
+  for (int i = 0; i < 3; ++i)
+    out << i + 1 << " 2 2 " << i + 1 << " 1 " << 3 * i + 1 << ' ' << 3 * i + 2 << ' ' << 3 * i + 3
+        << '\n';
+  for (int i = 0; i < 2; ++i) {
+    const int a = 3 * i, b = a + 3;
+    const int tetrahedra[3][4] = {
+        {a + 1, a + 2, a + 3, b + 3}, {a + 1, a + 2, b + 3, b + 2}, {a + 1, b + 2, b + 3, b + 1}};
+    for (int t = 0; t < 3; ++t) {
+      out << 4 + 3 * i + t << " 4 2 " << (i == 0 ? 4 : 0) << " 1";
+      for (const int node : tetrahedra[t]) out << ' ' << node;
+      out << '\n';
+    }
+  }
+  out << "$EndElements\n";
+}
+
 /// The files that explorations name below MODELS, unless they exist already.
 void write_models(const fs::path& folder) {
   if (fs::exists(folder / "key")) return;
@@ -69,6 +97,7 @@ void write_models(const fs::path& folder) {
   std::ofstream(folder / "foam.msh")
       << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.2 0 0\n3 0.1 0.04 0\n"
          "4 0.1 0.02 0.04\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
+  write_parts(folder / "parts.msh");
   std::ofstream(folder / "wedge.obj") << "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
                                          "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 #ifndef PALPATE_WITHOUT_TORCH
