@@ -12,13 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegenerate = 1e-12;  // m, distance from a centre or an axis
 
-/// Signed distance and its gradient in the frame of a shape.
-struct Near {
-  double distance;
-  Vector3d normal;
-};
-
-Near from_center(const Vector3d& way, double radius, const Vector3d& otherwise) noexcept {
+Proximity from_center(const Vector3d& way, double radius, const Vector3d& otherwise) noexcept {
   const double away = way.norm();
   return {away - radius, away > kDegenerate ? Vector3d(way / away) : otherwise};
 }
@@ -26,8 +20,8 @@ Near from_center(const Vector3d& way, double radius, const Vector3d& otherwise) 
 /// From the excess over the bounds of a convex product of intervals: `excess`: signed distances
 /// from its faces, `outward`: their normals. Inside the nearest face counts, outside all exceeded.
 template <int kFaces>
-Near from_faces(const std::array<double, kFaces>& excess,
-                const std::array<Vector3d, kFaces>& outward) noexcept {
+Proximity from_faces(const std::array<double, kFaces>& excess,
+                     const std::array<Vector3d, kFaces>& outward) noexcept {
   int nearest = 0;
   Vector3d way = Vector3d::Zero();
   for (int k = 0; k < kFaces; ++k) {
@@ -39,11 +33,11 @@ Near from_faces(const std::array<double, kFaces>& excess,
   return {excess[nearest], outward[nearest]};
 }
 
-Near near(const HalfSpace& /*plane*/, const Vector3d& p) noexcept {
+Proximity near(const HalfSpace& /*plane*/, const Vector3d& p) noexcept {
   return {p.z(), Vector3d::UnitZ()};
 }
 
-Near near(const Box& box, const Vector3d& p) noexcept {
+Proximity near(const Box& box, const Vector3d& p) noexcept {
   std::array<double, 3> excess;
   std::array<Vector3d, 3> outward;
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,23 +47,23 @@ Near near(const Box& box, const Vector3d& p) noexcept {
   return from_faces<3>(excess, outward);
 }
 
-Near near(const Sphere& sphere, const Vector3d& p) noexcept {
+Proximity near(const Sphere& sphere, const Vector3d& p) noexcept {
   return from_center(p, sphere.radius, Vector3d::UnitZ());
 }
 
-Near near(const Cylinder& cylinder, const Vector3d& p) noexcept {
-  const Near mantle = from_center({p.x(), p.y(), 0}, cylinder.radius, Vector3d::UnitX());
+Proximity near(const Cylinder& cylinder, const Vector3d& p) noexcept {
+  const Proximity mantle = from_center({p.x(), p.y(), 0}, cylinder.radius, Vector3d::UnitX());
   if (!std::isfinite(cylinder.length)) return mantle;
   return from_faces<2>({mantle.distance, std::abs(p.z()) - 0.5 * cylinder.length},
                        {mantle.normal, std::copysign(1.0, p.z()) * Vector3d::UnitZ()});
 }
 
-Near near(const Capsule& capsule, const Vector3d& p) noexcept {
+Proximity near(const Capsule& capsule, const Vector3d& p) noexcept {
   const double along = std::clamp(p.z(), -0.5 * capsule.length, 0.5 * capsule.length);
   return from_center(p - along * Vector3d::UnitZ(), capsule.radius, Vector3d::UnitX());
 }
 
-Near near(const std::shared_ptr<const DistanceGrid>& grid, const Vector3d& p) noexcept {
+Proximity near(const std::shared_ptr<const DistanceGrid>& grid, const Vector3d& p) noexcept {
   return {grid->distance(p), grid->normal(p)};
 }
 
@@ -104,15 +98,19 @@ void Obstacle::check() const {
   require(X_OB.matrix().allFinite(), "its pose is not finite");
 }
 
-double distance(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+Proximity proximity(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
   const Vector3d p = in_shape(obstacle, p_O);
-  return std::visit([&](const auto& shape) { return near(shape, p).distance; }, obstacle.shape);
+  Proximity result = std::visit([&](const auto& shape) { return near(shape, p); }, obstacle.shape);
+  result.normal = obstacle.X_OB.linear() * result.normal;
+  return result;
+}
+
+double distance(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  return proximity(obstacle, p_O).distance;
 }
 
 Vector3d normal(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
-  const Vector3d p = in_shape(obstacle, p_O);
-  return obstacle.X_OB.linear() *
-         std::visit([&](const auto& shape) { return near(shape, p).normal; }, obstacle.shape);
+  return proximity(obstacle, p_O).normal;
 }
 
 Eigen::Matrix3d normal_derivative(const Obstacle& obstacle, const Vector3d& p_O) noexcept {

@@ -41,12 +41,17 @@ struct Obstacle {
   void check() const;
 };
 
-/// Signed distance of the obstacle's surface, m, negative inside; exact for all shapes but a
-/// DistanceGrid. `p_O`: point in O.
-double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
+/// Signed distance, m, of a surface, and its gradient, a unit vector that points out of it.
+struct Proximity {
+  double distance;
+  Eigen::Vector3d normal;
+};
 
-/// Gradient of the distance at `p_O`, a unit vector in O that points out of the obstacle. Where the
-/// nearest surface point is not unique (a centre, an axis): one of the possible directions.
+/// Proximity, in O, of the obstacle's surface to the point `p_O`: negative inside, exact for all
+/// shapes but a DistanceGrid. Where the nearest surface point is not unique (a centre, an axis) the
+/// normal is one of the possible directions.
+Proximity proximity(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
+double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
 Eigen::Vector3d normal(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
 
 /// Derivative of the normal by the point, 1/m: the Hessian of the distance. It contains the

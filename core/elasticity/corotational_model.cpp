@@ -84,6 +84,7 @@ void CorotationalModel::grasps_have_changed() noexcept {
   sensitivity_.invalidate();
   factor_.secants().clear();
   factor_.columns().clear();
+  if (contacts_) contacts_->forget_compliances();
   corrections_.forget_contraction();
   factor_.want_new();
 }
@@ -245,6 +246,7 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
     return;
   }
   factor_.install(job_.factor, job_age_, potential_.elements());
+  if (contacts_) contacts_->forget_compliances();
   if (job_.snapshot.held != boundary_.held()) {
     factor_.columns().clear();
     return;

@@ -10,7 +10,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Between normal and tangential force of a sliding point in one sweep.
-constexpr int kAlternations = 3;
+constexpr int kAlternations = 1;
 // The larger eigenvalue of a point's tangential block lies between half its trace and its trace; a
 // projection with this share of the trace converges for all of them.
 constexpr double kTangentialShare = 0.6;
@@ -18,25 +18,42 @@ constexpr double kTangentialShare = 0.6;
 }  // namespace
 
 ConeProblem::ConeProblem(int most)
-    : compliance_(3 * most, 3 * most), displacement_(3 * most), blocks_(most) {}
+    : compliance_(3 * most, 3 * most),
+      displacement_(3 * most),
+      displacement_before_(3 * most),
+      along_(3 * most),
+      before_(3 * most),
+      direction_(3 * most),
+      blocks_(most) {
+  gathered_.reserve(most);
+}
 
 /// Copies what the sweeps need, so that it stays in the cache.
 void ConeProblem::gather(const ComplianceColumns& table,
                          const std::vector<ConePoint>& points) noexcept {
   const int count = static_cast<int>(points.size());
   size_ = 3 * count;
-  for (int k = 0; k < count; ++k) {
-    const auto column = table.among(points[k].place);
-    for (int other = 0; other < count; ++other) {
-      compliance_.block<3, 3>(3 * other, 3 * k) = column.middleRows<3>(3 * points[other].place);
+  displacement_.head(size_).setZero();
+  const bool is_held =
+      std::equal(points.begin(), points.end(), gathered_.begin(), gathered_.end(),
+                 [](const ConePoint& point, int place) { return point.place == place; });
+  if (!is_held) {
+    gathered_.clear();
+    for (int k = 0; k < count; ++k) {
+      gathered_.push_back(points[k].place);
+      const auto column = table.among(points[k].place);
+      for (int other = 0; other < count; ++other) {
+        compliance_.block<3, 3>(3 * other, 3 * k) = column.middleRows<3>(3 * points[other].place);
+      }
+      blocks_[k].own = table.own(points[k].place).cast<double>();
+      blocks_[k].inverse = blocks_[k].own.inverse();
     }
+  }
+  for (int k = 0; k < count; ++k) {
     Block& block = blocks_[k];
-    block.own = table.own(points[k].place).cast<double>();
-    block.inverse = block.own.inverse();
     block.normal = points[k].normal.dot(block.own * points[k].normal);
     block.tangential = kTangentialShare * std::max(block.own.trace() - block.normal, 0.0);
   }
-  displacement_.head(size_).setZero();
 }
 
 /// Force of a point that cannot stick: `error` is gap and slip under its force.
@@ -82,17 +99,48 @@ double ConeProblem::relax(int k, ConePoint& point) noexcept {
   return (block.own * change).norm();
 }
 
+/// One sweep over all points, to or fro; returns the largest displacement by a change of force, m.
+double ConeProblem::sweep(std::vector<ConePoint>& points, bool forward) noexcept {
+  const int count = static_cast<int>(points.size());
+  double largest = 0;
+  for (int i = 0; i < count; ++i) {
+    const int k = forward ? i : count - 1 - i;
+    largest = std::max(largest, relax(k, points[k]));
+  }
+  return largest;
+}
+
 int ConeProblem::solve(const ComplianceColumns& table, const ConeOptions& options,
                        std::vector<ConePoint>& points) noexcept {
   gather(table, points);
   const int count = static_cast<int>(points.size());
-  for (int sweep = 0; sweep < options.sweeps; ++sweep) {
-    double largest = 0;
+  double last_size = 0;
+  for (int k = 0; k < options.sweeps; ++k) {
+    for (int i = 0; i < count; ++i) before_.segment<3>(3 * i) = points[i].force;
+    displacement_before_.head(size_) = displacement_.head(size_);
+    const double largest = sweep(points, k % 2 == 0);
+    if (!(largest > options.tolerance) || k + 1 == options.sweeps) return k + 1;
+
+    double size = 0;
     for (int i = 0; i < count; ++i) {
-      const int k = sweep % 2 == 0 ? i : count - 1 - i;
-      largest = std::max(largest, relax(k, points[k]));
+      const Vector3d change = points[i].force - before_.segment<3>(3 * i);
+      before_.segment<3>(3 * i) = change;
+      size += change.dot(blocks_[i].own * change);
     }
-    if (!(largest > options.tolerance)) return sweep + 1;
+    displacement_before_.head(size_) = displacement_.head(size_) - displacement_before_.head(size_);
+    const double share = last_size > 0 ? size / last_size : 2;
+    last_size = size;
+    if (share > 1) {
+      direction_.head(size_) = before_.head(size_);
+      along_.head(size_) = displacement_before_.head(size_);
+      continue;
+    }
+    // change + share * last direction
+    for (int i = 0; i < count; ++i) points[i].force += share * direction_.segment<3>(3 * i);
+    displacement_.head(size_) += static_cast<float>(share) * along_.head(size_);
+    direction_.head(size_) = share * direction_.head(size_) + before_.head(size_);
+    along_.head(size_) =
+        static_cast<float>(share) * along_.head(size_) + displacement_before_.head(size_);
   }
   return options.sweeps;
 }

@@ -38,6 +38,10 @@ class ConeProblem {
   /// `most`: largest number of points.
   explicit ConeProblem(int most);
 
+  /// To be called when compliances in the table have changed: those of the last points are kept for
+  /// as long as the points are the same.
+  void forget_compliances() noexcept { gathered_.clear(); }
+
   /// Changes the forces of `points`. Returns the number of sweeps.
   int solve(const ComplianceColumns& table, const ConeOptions& options,
             std::vector<ConePoint>& points) noexcept;
@@ -49,6 +53,7 @@ class ConeProblem {
     double normal, tangential;  // m/N, along the normal; bound across it
   };
   void gather(const ComplianceColumns& table, const std::vector<ConePoint>& points) noexcept;
+  double sweep(std::vector<ConePoint>& points, bool forward) noexcept;
   double relax(int k, ConePoint& point) noexcept;
   static Eigen::Vector3d slide(const ConePoint& point, const Block& block,
                                Eigen::Vector3d error) noexcept;
@@ -56,7 +61,10 @@ class ConeProblem {
   int size_ = 0;                  // three per point
   Eigen::MatrixXf compliance_;    // among the points
   Eigen::VectorXf displacement_;  // u by point
+  Eigen::VectorXf displacement_before_, along_;
+  Eigen::VectorXd before_, direction_;
   std::vector<Block> blocks_;
+  std::vector<int> gathered_;  // places of the points whose compliances are held
 };
 
 }  // namespace palpate::elasticity

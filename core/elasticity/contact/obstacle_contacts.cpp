@@ -10,7 +10,6 @@
 namespace palpate::elasticity {
 namespace {
 
-using collision::Candidate;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -28,21 +27,19 @@ const ContactOptions& checked(const ContactOptions& options) {
   return options;
 }
 
-bool is_before(const SurfaceContact& a, const SurfaceContact& b) noexcept {
-  return a.sample != b.sample ? a.sample < b.sample : a.obstacle < b.obstacle;
+/// Whether the point's force is as large across the normal as friction permits.
+bool is_at_limit(const ConePoint& point) {
+  const double r_n = point.normal.dot(point.force);
+  return (point.force - r_n * point.normal).norm() >= (1 - kAtLimit) * point.friction * r_n;
 }
 
-/// Grasp patch that contains all nodes of the sample that are not fixed; -1: none.
-int patch_of(const NumberedBody& body, const mesh::PointWeights& sample) {
-  const factor::BlockPattern& pattern = body.pattern;
-  for (int g = 0; g < 2; ++g) {
-    const auto is_in = [&](int node) {
-      return node >= pattern.size() ||
-             (node >= pattern.border_begin(g) && node < pattern.border_end(g));
-    };
-    if (std::all_of(sample.nodes.begin(), sample.nodes.begin() + sample.count, is_in)) return g;
-  }
-  return -1;
+/// The nearest force that friction permits at a surface of this normal.
+Vector3d permitted(const Vector3d& force, const Vector3d& normal, double friction) {
+  const double r_n = normal.dot(force);
+  if (!(r_n > 0)) return Vector3d::Zero();
+  const Vector3d r_t = force - r_n * normal;
+  const double size = r_t.norm(), most = friction * r_n;
+  return size > most ? Vector3d(r_n * normal + (most / size) * r_t) : force;
 }
 
 }  // namespace
@@ -76,19 +73,22 @@ ObstacleContacts::ObstacleContacts(const NumberedBody& body, const BoundaryCondi
       factor_(factor),
       options_(checked(options)),
       samples_(samples),
-      search_(samples, options.obstacles, options.reach, options.skin),
+      list_(body, boundary, options_, samples),
       problem_(options.most),
+      size_((body.rest.rowwise().maxCoeff() - body.rest.rowwise().minCoeff()).maxCoeff()),
       forward_(Eigen::VectorXf::Zero(3 * body.pattern.size())) {
   for (const mesh::PointWeights& sample : samples_) {
     const auto* largest =
         std::max_element(sample.weights.begin(), sample.weights.begin() + sample.count);
     leading_.push_back(sample.nodes[largest - sample.weights.begin()]);
-    patch_.push_back(patch_of(body, sample));
   }
-  contacts_.reserve(options.most);
-  found_.reserve(samples_.size() * options.obstacles.size());
   points_.reserve(options.most);
   contact_of_.reserve(options.most);
+}
+
+void ObstacleContacts::reset() noexcept {
+  list_.clear();
+  persistence_ = 0;
 }
 
 /// Rotation since the factor's snapshot near a sample.
@@ -98,54 +98,12 @@ Matrix3d ObstacleContacts::rotation(int sample) const noexcept {
   return node < warp.size() ? Matrix3d(warp.matrix(node).cast<double>()) : Matrix3d::Identity();
 }
 
-void ObstacleContacts::evaluate(SurfaceContact& contact, const NodalField& x) const noexcept {
-  const collision::Obstacle& obstacle = options_.obstacles[contact.obstacle];
-  contact.position = collision::position(samples_[contact.sample], x.topRows<3>());
-  contact.normal = collision::normal(obstacle, contact.position);
-  contact.gap = collision::distance(obstacle, contact.position);
-}
-
-/// Sets contacts_ to the points within reach and those under force.
-void ObstacleContacts::collect(const NodalField& x) noexcept {
-  found_.clear();
-  auto known = contacts_.begin();
-  for (const Candidate& candidate : search_.find(x.topRows<3>())) {
-    // what a hand moves is the hand's concern
-    const int patch = patch_[candidate.sample];
-    if (patch >= 0 && boundary_.held()[patch]) continue;
-    SurfaceContact contact;
-    contact.sample = candidate.sample;
-    contact.obstacle = candidate.obstacle;
-    while (known != contacts_.end() && is_before(*known, contact)) ++known;
-    const bool is_known = known != contacts_.end() && !is_before(contact, *known);
-    if (is_known) contact = *known;
-    evaluate(contact, x);
-    if (!is_known) contact.anchor = contact.position;
-    if (contact.gap <= options_.reach || contact.presses()) found_.push_back(contact);
-  }
-  omitted_ = std::max(0, static_cast<int>(found_.size()) - options_.most);
-  if (omitted_ > 0) {
-    const auto end = found_.begin() + options_.most;
-    std::nth_element(found_.begin(), end, found_.end(),
-                     [](const SurfaceContact& a, const SurfaceContact& b) {
-                       return a.presses() != b.presses() ? a.presses() : a.gap < b.gap;
-                     });
-    found_.resize(options_.most);
-    std::sort(found_.begin(), found_.end(), is_before);
-  }
-  contacts_.assign(found_.begin(), found_.end());
-}
-
 /// A place of the table that no contact point uses.
 int ObstacleContacts::free_place() const noexcept {
   const ComplianceColumns& table = factor_.columns();
   if (!table.is_full()) return table.count();
   for (int place = 0; place < table.count(); ++place) {
-    const int sample = table.sample(place);
-    const auto at =
-        std::lower_bound(contacts_.begin(), contacts_.end(), sample,
-                         [](const SurfaceContact& contact, int s) { return contact.sample < s; });
-    if (at == contacts_.end() || at->sample != sample) return place;
+    if (!list_.contains(table.sample(place))) return place;
   }
   return -1;
 }
@@ -155,65 +113,112 @@ void ObstacleContacts::complete_table() noexcept {
   ComplianceColumns& table = factor_.columns();
   for (int computed = 0; computed < options_.columns; ++computed) {
     const SurfaceContact* nearest = nullptr;
-    for (const SurfaceContact& contact : contacts_) {
-      if (table.place(contact.sample) >= 0 || contact.gap > options_.imminent) continue;
+    for (const SurfaceContact& contact : list_.contacts()) {
+      if (table.place(contact.sample) >= 0) continue;
+      factor_.want_new();  // which brings all of them
+      if (contact.gap > options_.imminent) continue;
       if (nearest == nullptr || contact.gap < nearest->gap) nearest = &contact;
     }
     if (nearest == nullptr) return;
-    factor_.want_new();  // which brings all of them
     const int place = free_place();
     if (place < 0) return;
     table.add(nearest->sample, place, forward_,
               [&](Eigen::VectorXf& b) { factor_.solve_unturned(b, boundary_); });
+    problem_.forget_compliances();
   }
 }
 
+/// Fraction of the last step's changes of force that this step is expected to bring: as much as the
+/// hands repeat their motion, and as such changes have recurred.
+double ObstacleContacts::expected_share() noexcept {
+  double alike = 0, before = 0;
+  for (int g = 0; g < 2; ++g) {
+    math::Vector6d motion = math::Vector6d::Zero();
+    if (boundary_.held()[g]) motion = boundary_.pending_motion(g);
+    motion.tail<3>() *= size_;
+    alike += motion.dot(last_motion_[g]);
+    before += last_motion_[g].squaredNorm();
+    last_motion_[g] = motion;
+  }
+  return before > 0 ? persistence_ * std::clamp(alike / before, 0.0, 1.0) : 0;
+}
+
 void ObstacleContacts::begin_step(const NodalField& x, StepPotential& potential) noexcept {
-  collect(x);
+  list_.begin_step(x);
   complete_table();
-  for (const SurfaceContact& contact : contacts_) {
+  const double share = expected_share();
+  for (int c : list_.close()) {
+    SurfaceContact& contact = list_.contact(c);
+    contact.force_before = contact.force;
     if (!contact.presses()) continue;
+    contact.force = permitted(contact.force + share * contact.last_change, contact.normal,
+                              friction_of(contact));
     const mesh::PointWeights& sample = samples_[contact.sample];
     for (int i = 0; i < sample.count; ++i)
       potential.add_external(sample.nodes[i], sample.weights[i] * contact.force);
   }
 }
 
-double ObstacleContacts::correct(const NodalField& x, Eigen::VectorXf& correction,
-                                 StepPotential& potential) noexcept {
+/// Sets points_ to the contacts that the correction can close or that are under force.
+void ObstacleContacts::pose_problem(const NodalField& x,
+                                    const Eigen::VectorXf& correction) noexcept {
   const ComplianceColumns& table = factor_.columns();
+  list_.look_ahead(x, static_cast<double>(correction.lpNorm<Eigen::Infinity>()));
   points_.clear();
   contact_of_.clear();
-  for (int c = 0; c < static_cast<int>(contacts_.size()); ++c) {
-    SurfaceContact& contact = contacts_[c];
+  double farthest = 0;  // m, motion of a point by the correction
+  for (int c : list_.close()) {
+    SurfaceContact& contact = list_.contact(c);
     const int place = table.place(contact.sample);
     if (place < 0) continue;  // not yet
-    evaluate(contact, x);
+    list_.evaluate(contact, x);
     const mesh::PointWeights& sample = samples_[contact.sample];
-    Vector3d offset = contact.gap * contact.normal + contact.slip();
+    Vector3d motion = Vector3d::Zero();
     for (int i = 0; i < sample.count; ++i) {
       if (sample.nodes[i] >= body_.pattern.size()) continue;
-      offset += sample.weights[i] * correction.segment<3>(3 * sample.nodes[i]).cast<double>();
+      motion += sample.weights[i] * correction.segment<3>(3 * sample.nodes[i]).cast<double>();
     }
-    const Matrix3d back = rotation(contact.sample).transpose();
+    farthest = std::max(farthest, motion.norm());
     ConePoint& point = points_.emplace_back();
     point.place = place;
-    point.normal = back * contact.normal;
-    point.friction = options_.obstacles[contact.obstacle].friction;
-    point.offset = back * offset;
-    point.force = back * contact.force;
+    point.normal = contact.normal;
+    point.friction = friction_of(contact);
+    point.offset = contact.gap * contact.normal + contact.slip() + motion;
+    point.force = contact.force;
     contact_of_.push_back(c);
   }
+  // Contact forces oppose the correction and move points about as far: what remains farther from
+  // the obstacle than that stays open, or is found open to change in the next correction.
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    ConePoint point = points_[k];
+    if (point.force.isZero(0) && point.normal.dot(point.offset) > farthest) continue;
+    const Matrix3d back = rotation(list_.contacts()[contact_of_[k]].sample).transpose();
+    point.normal = back * point.normal;
+    point.offset = back * point.offset;
+    point.force = back * point.force;
+    contact_of_[kept] = contact_of_[k];
+    points_[kept++] = point;
+  }
+  points_.resize(kept);
+  contact_of_.resize(kept);
+}
+
+double ObstacleContacts::correct(const NodalField& x, Eigen::VectorXf& correction,
+                                 StepPotential& potential) noexcept {
+  pose_problem(x, correction);
   if (points_.empty()) return 0;
+  const ComplianceColumns& table = factor_.columns();
   problem_.solve(table, {options_.sweeps, 0.1 * options_.tolerance}, points_);
 
   double energy = 0;
   forward_.setZero();
   bool changed = false;
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    SurfaceContact& contact = contacts_[contact_of_[k]];
+    SurfaceContact& contact = list_.contact(contact_of_[k]);
     const Matrix3d turn = rotation(contact.sample);
     const Vector3d change = turn * points_[k].force - contact.force;
+    contact.at_limit = is_at_limit(points_[k]);
     if (!change.allFinite() || change.isZero(0)) continue;
     changed = true;
     contact.force += change;
@@ -237,20 +242,20 @@ double ObstacleContacts::correct(const NodalField& x, Eigen::VectorXf& correctio
 
 double ObstacleContacts::violation(const NodalField& x) noexcept {
   double largest = 0;
-  for (SurfaceContact& contact : contacts_) {
-    evaluate(contact, x);
-    const double r_n = contact.normal.dot(contact.force);
+  list_.look_ahead(x, 0);
+  for (int c : list_.close()) {
+    SurfaceContact& contact = list_.contact(c);
+    list_.evaluate(contact, x);
     largest = std::max(largest, contact.presses() ? std::abs(contact.gap) : -contact.gap);
-    const double limit = options_.obstacles[contact.obstacle].friction * r_n;
-    const bool sticks =
-        contact.presses() && (contact.force - r_n * contact.normal).norm() < (1 - kAtLimit) * limit;
+    const bool sticks = contact.presses() && !contact.at_limit;
     if (sticks) largest = std::max(largest, contact.slip().norm());
   }
   return largest;
 }
 
 bool ObstacleContacts::is_touching() const noexcept {
-  return std::any_of(contacts_.begin(), contacts_.end(),
+  const std::vector<SurfaceContact>& all = list_.contacts();
+  return std::any_of(all.begin(), all.end(),
                      [](const SurfaceContact& contact) { return contact.presses(); });
 }
 
@@ -258,7 +263,7 @@ void ObstacleContacts::describe(std::vector<int>& samples,
                                 std::vector<TouchingPoint>& touching) const noexcept {
   samples.clear();
   touching.clear();
-  for (const SurfaceContact& contact : contacts_) {
+  for (const SurfaceContact& contact : list_.contacts()) {
     if (samples.empty() || samples.back() != contact.sample) samples.push_back(contact.sample);
     if (!contact.presses()) continue;
     const mesh::PointWeights& sample = samples_[contact.sample];
@@ -279,18 +284,23 @@ void ObstacleContacts::describe(std::vector<int>& samples,
 }
 
 void ObstacleContacts::finish_step(const NodalField& x) noexcept {
-  for (SurfaceContact& contact : contacts_) {
-    evaluate(contact, x);
-    const double r_n = contact.normal.dot(contact.force);
-    const double limit = options_.obstacles[contact.obstacle].friction * r_n;
+  double alike = 0, before = 0;
+  for (int c : list_.close()) {
+    SurfaceContact& contact = list_.contact(c);
+    const Vector3d change = contact.force - contact.force_before;
+    alike += change.dot(contact.last_change);
+    before += contact.last_change.squaredNorm();
+    // a point that has just closed does not go on as fast
+    contact.last_change = contact.force_before.isZero(0) ? Vector3d(Vector3d::Zero()) : change;
     const bool slipped = contact.slips, pressed = contact.pressed;
     contact.pressed = contact.presses();
-    contact.slips = contact.presses() &&
-                    (contact.force - r_n * contact.normal).norm() >= (1 - kAtLimit) * limit;
-    if (!contact.presses() || contact.slips) contact.anchor = contact.position;
+    contact.slips = contact.pressed && contact.at_limit;
+    if (contact.pressed) list_.evaluate(contact, x);
+    if (contact.slips) contact.anchor = contact.position;
     // the response of the equilibrium has changed
     if (contact.pressed != pressed || contact.slips != slipped) factor_.want_new();
   }
+  persistence_ = before > 0 ? std::clamp(alike / before, 0.0, 1.0) : 0;
 }
 
 }  // namespace palpate::elasticity

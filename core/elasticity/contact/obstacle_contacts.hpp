@@ -1,37 +1,15 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
-#include "core/collision/candidate_search.hpp"
 #include "core/elasticity/contact/cone_problem.hpp"
-#include "core/elasticity/contact/contact_options.hpp"
+#include "core/elasticity/contact/contact_list.hpp"
 #include "core/elasticity/incremental/step_potential.hpp"
 #include "core/elasticity/incremental/warped_factor.hpp"
 #include "core/elasticity/static_response.hpp"
 
 namespace palpate::elasticity {
-
-/// Sample of the surface that touches an obstacle, or may soon. In O.
-struct SurfaceContact {
-  int sample = 0;
-  int obstacle = 0;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object
-  bool slips = false;    // under force, and at the limit of friction, after the last step
-  bool pressed = false;  // under force after the last step
-  // As last evaluated:
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // unit vector out of the obstacle
-  double gap = 0;                                      // m, negative inside
-  /// m, where the point has stuck last, or was before it touched: slip counts from there, so that
-  /// sticking points do not creep
-  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
-
-  bool presses() const noexcept { return !force.isZero(0); }
-  Eigen::Vector3d slip() const noexcept {
-    const Eigen::Vector3d way = position - anchor;
-    return way - normal.dot(way) * normal;
-  }
-};
 
 /// Contact forces of a step: loads of the quasi-Newton iteration that satisfy Signorini's and
 /// Coulomb's laws (ConeProblem) together with each correction. Gaps are those of the exact
@@ -66,21 +44,28 @@ class ObstacleContacts {
   void finish_step(const NodalField& x) noexcept;
 
   /// Contact points, ordered by sample and obstacle.
-  const std::vector<SurfaceContact>& contacts() const noexcept { return contacts_; }
+  const std::vector<SurfaceContact>& contacts() const noexcept { return list_.contacts(); }
   bool is_touching() const noexcept;
   /// Sets, for a new factor, the samples whose compliances are wanted, and the points under force,
   /// in mesh numbering. Both have room for ContactOptions::most.
   void describe(std::vector<int>& samples, std::vector<TouchingPoint>& touching) const noexcept;
   /// Number of points beyond the largest number, omitted in the last step.
-  int omitted() const noexcept { return omitted_; }
+  int omitted() const noexcept { return list_.omitted(); }
   /// Removes all contacts.
-  void reset() noexcept { contacts_.clear(); }
+  void reset() noexcept;
+  /// Takes over contacts, as contacts() returns them, with their forces and anchors.
+  void restore(const std::vector<SurfaceContact>& contacts) noexcept { list_.restore(contacts); }
+  /// To be called when the factor's table of compliances has been replaced or cleared.
+  void forget_compliances() noexcept { problem_.forget_compliances(); }
 
  private:
-  void collect(const NodalField& x) noexcept;
   void complete_table() noexcept;
+  double expected_share() noexcept;
   int free_place() const noexcept;
-  void evaluate(SurfaceContact& contact, const NodalField& x) const noexcept;
+  void pose_problem(const NodalField& x, const Eigen::VectorXf& correction) noexcept;
+  double friction_of(const SurfaceContact& contact) const noexcept {
+    return options_.obstacles[contact.obstacle].friction;
+  }
   Eigen::Matrix3d rotation(int sample) const noexcept;
 
   const NumberedBody& body_;
@@ -89,14 +74,15 @@ class ObstacleContacts {
   const ContactOptions& options_;
   const std::vector<mesh::PointWeights>& samples_;
   std::vector<int> leading_;  // per sample: its node of the largest weight
-  std::vector<int> patch_;    // per sample: grasp all of whose nodes it has, or -1
-  collision::CandidateSearch search_;
+  ContactList list_;
   ConeProblem problem_;
-  std::vector<SurfaceContact> contacts_, found_;
   std::vector<ConePoint> points_;  // of the cone problem
   std::vector<int> contact_of_;    // per point
+  double size_;                    // m, of the body: lever of the hands' rotations
   Eigen::VectorXf forward_;        // workspace, three per unknown node
-  int omitted_ = 0;
+  std::array<math::Vector6d, 2> last_motion_{math::Vector6d::Zero(), math::Vector6d::Zero()};
+  /// Fraction of a step's changes of force that recurs in the next one, 0 to 1.
+  double persistence_ = 0;
 };
 
 }  // namespace palpate::elasticity
