@@ -14,7 +14,9 @@ constexpr double kTestsPerHour = 3600.0 * (kAges.size() + 1);
 /// Fraction of the threshold that applies to the prior: the deviations of what was set up are
 /// bounds rather than those of a normal distribution.
 constexpr double kOfPrior = 0.48;
-constexpr int kConsecutive = 2;     // tests beyond the threshold that begin a discrepancy
+/// Tests beyond the threshold that begin a discrepancy: against earlier knowledge, and against the
+/// prior, which lasts and may wait until vibrations of the object have passed.
+constexpr int kConsecutive = 2, kConsecutiveOfPrior = 4;
 constexpr double kEnded = 0.5;      // fraction of the threshold below which it ends
 constexpr double kEndsAfter = 0.3;  // s
 
@@ -113,7 +115,9 @@ void WrenchConsistency::take_over(const WrenchFilter& filter) noexcept {
   now_ = initial_;
 }
 
-void WrenchConsistency::forget_snapshots() noexcept { exceeded_ = snapshot_count_ = updates_ = 0; }
+void WrenchConsistency::forget_snapshots() noexcept {
+  exceeded_ = exceeded_prior_ = snapshot_count_ = updates_ = 0;
+}
 
 bool WrenchConsistency::take(const Innovation& now, const FusedState& state,
                              const elasticity::DeformationModel& model, bool learn) noexcept {
@@ -188,6 +192,7 @@ WrenchKnowledge::Comparison WrenchConsistency::compare(
 void WrenchConsistency::judge() noexcept {
   discrepancy_ = Discrepancy();
   int back = 0;
+  bool contradicts_prior = false;
   for (int g = 0; g < states_.grasps; ++g) {
     differences_[g].setZero();
     deviations_[g].setConstant(-1);
@@ -200,6 +205,7 @@ void WrenchConsistency::judge() noexcept {
           found.squared / kHandRows / (age == kSnapshots && !is_inconsistent_ ? kOfPrior : 1);
       // The age of the most recent knowledge that is contradicted bounds the time since it began.
       if (test > threshold_ && (back == 0 || age < back)) back = age;
+      contradicts_prior = contradicts_prior || (test > threshold_ && age == kSnapshots);
       if (test <= most) return;
       most = test;
       differences_[g] = found.difference;
@@ -229,8 +235,9 @@ void WrenchConsistency::judge() noexcept {
     }
     return;
   }
-  exceeded_ = back > 0 ? exceeded_ + 1 : 0;
-  if (exceeded_ < kConsecutive && !is_suspected_) return;
+  exceeded_ = back > 0 && back < kSnapshots ? exceeded_ + 1 : 0;
+  exceeded_prior_ = contradicts_prior ? exceeded_prior_ + 1 : 0;
+  if (exceeded_ < kConsecutive && exceeded_prior_ < kConsecutiveOfPrior && !is_suspected_) return;
   if (back == 0) back = kSnapshots;
   is_inconsistent_ = has_just_begun_ = true;
   passed_ = 0;

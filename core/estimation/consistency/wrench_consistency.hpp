@@ -106,7 +106,7 @@ class WrenchConsistency {
   Discrepancy discrepancy_;
   std::array<math::Vector6d, 2> differences_, deviations_;  // of the last test
   bool is_inconsistent_ = false, has_just_begun_ = false, is_suspected_ = false;
-  int snapshots_back_ = 0, exceeded_ = 0, passed_ = 0;
+  int snapshots_back_ = 0, exceeded_ = 0, exceeded_prior_ = 0, passed_ = 0;
 };
 
 }  // namespace palpate::estimation

@@ -87,10 +87,12 @@ INSTANTIATE_TEST_SUITE_P(Studies, OwnPlan,
                          [](const auto& study) { return std::string(study.param); });
 
 /// One of our own plans with that many calibrated draws.
-StudyPlan plan_of_draws(const std::string& study, int draws) {
+StudyPlan plan_of_draws(const std::string& study, int draws,
+                        std::optional<int> seed = std::nullopt) {
   LevelSelection selection;
   selection.levels = {"calibrated"};
   selection.draws = draws;
+  selection.draw_seed = seed;
   return read_study_plan(kStudyPlanRoot / "tools/lab/studies" / (study + ".yaml"), kStudyPlanRoot,
                          selection);
 }
@@ -300,13 +302,8 @@ TEST_F(StudyPlanTest, DrawsReplaceThePlansModelErrors) {
     ASSERT_EQ(application.levels.size(), 2u) << application.name;
     EXPECT_EQ(application.levels[1].name, "calibrated 2");
   }
-  selection.draw_seed = 9;
-  EXPECT_NE(
-      read_study_plan(kStudyPlanRoot / "tools/lab/studies/estimate.yaml", kStudyPlanRoot, selection)
-          .applications[0]
-          .levels[0]
-          .scene,
-      plan.applications[0].levels[0].scene);
+  EXPECT_NE(plan_of_draws("estimate", 2, 9).applications[0].levels[0].scene,
+            plan.applications[0].levels[0].scene);
 }
 
 TEST_F(StudyPlanTest, DrawsThatDoNotExistAreRefused) {
