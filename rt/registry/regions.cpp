@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "core/mesh/surface.hpp"
+
 namespace palpate::registry {
 namespace {
 
