@@ -73,6 +73,17 @@ Near near(const std::shared_ptr<const DistanceGrid>& grid, const Vector3d& p) no
   return {grid->distance(p), grid->normal(p)};
 }
 
+struct InscribedRadius {
+  double operator()(const HalfSpace& /*plane*/) const { return kBluntest; }
+  double operator()(const Box& box) const { return box.half_size.minCoeff(); }
+  double operator()(const Sphere& sphere) const { return sphere.radius; }
+  double operator()(const Cylinder& cylinder) const {
+    return std::min(cylinder.radius, 0.5 * cylinder.length);
+  }
+  double operator()(const Capsule& capsule) const { return capsule.radius; }
+  double operator()(const std::shared_ptr<const DistanceGrid>& /*grid*/) const { return 0; }
+};
+
 struct SizeCheck {
   static bool is_length(double value) { return value > 0 && std::isfinite(value); }
   bool operator()(const HalfSpace& /*plane*/) const { return true; }
@@ -102,11 +113,18 @@ void Obstacle::check() const {
   require(std::visit(SizeCheck(), shape), "sizes must be larger than 0 m and finite");
   require(friction >= 0 && std::isfinite(friction), "friction may not be negative");
   require(X_OB.matrix().allFinite(), "its pose is not finite");
+  require(V_O_B.vector().allFinite(), "its velocity is not finite");
+  require(hand >= -1 && hand <= 1, "hand must be -1, 0 or 1");
 }
 
 double distance(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  if (!obstacle.is_known) return std::numeric_limits<double>::infinity();
   const Vector3d p = in_shape(obstacle, p_O);
   return std::visit([&](const auto& shape) { return near(shape, p).distance; }, obstacle.shape);
+}
+
+double inscribed_radius(const Shape& shape) noexcept {
+  return std::min(kBluntest, std::visit(InscribedRadius(), shape));
 }
 
 Vector3d normal(const Obstacle& obstacle, const Vector3d& p_O) noexcept {

@@ -19,6 +19,8 @@ constexpr double kAtLimit = 1e-6;  // relative, of the limit of friction
 const ContactOptions& checked(const ContactOptions& options) {
   using math::check_option;
   for (const collision::Obstacle& obstacle : options.obstacles) obstacle.check();
+  check_option(options.obstacles.size() <= collision::kMostObstacles, "obstacles",
+               options.obstacles.size(), "at most " + std::to_string(collision::kMostObstacles));
   check_option(options.most >= 1, "most", options.most, "at least 1");
   check_option(options.reach > 0, "reach", options.reach, "above 0");
   check_option(options.skin > 0, "skin", options.skin, "above 0");
@@ -75,8 +77,9 @@ ObstacleContacts::ObstacleContacts(const NumberedBody& body, const BoundaryCondi
       boundary_(boundary),
       factor_(factor),
       options_(checked(options)),
+      obstacles_(options.obstacles),
       samples_(samples),
-      search_(samples, options.obstacles, options.reach, options.skin),
+      search_(samples, obstacles_, options.reach, options.skin),
       problem_(options.most),
       forward_(Eigen::VectorXf::Zero(3 * body.pattern.size())) {
   for (const mesh::PointWeights& sample : samples_) {
@@ -86,7 +89,7 @@ ObstacleContacts::ObstacleContacts(const NumberedBody& body, const BoundaryCondi
     patch_.push_back(patch_of(body, sample));
   }
   contacts_.reserve(options.most);
-  found_.reserve(samples_.size() * options.obstacles.size());
+  found_.reserve(samples_.size() * obstacles_.size());
   points_.reserve(options.most);
   contact_of_.reserve(options.most);
 }
@@ -99,10 +102,19 @@ Matrix3d ObstacleContacts::rotation(int sample) const noexcept {
 }
 
 void ObstacleContacts::evaluate(SurfaceContact& contact, const NodalField& x) const noexcept {
-  const collision::Obstacle& obstacle = options_.obstacles[contact.obstacle];
+  const collision::Obstacle& obstacle = obstacles_[contact.obstacle];
   contact.position = collision::position(samples_[contact.sample], x.topRows<3>());
   contact.normal = collision::normal(obstacle, contact.position);
   contact.gap = collision::distance(obstacle, contact.position);
+  const Vector3d way = contact.position - obstacle.X_OB * contact.anchor_B;
+  contact.slip = way - contact.normal.dot(way) * contact.normal;
+}
+
+/// Slip counts from the present position on.
+void ObstacleContacts::anchor(SurfaceContact& contact) const noexcept {
+  const math::Pose& X_OB = obstacles_[contact.obstacle].X_OB;
+  contact.anchor_B = X_OB.linear().transpose() * (contact.position - X_OB.translation());
+  contact.slip.setZero();
 }
 
 /// Sets contacts_ to the points within reach and those under force.
@@ -120,7 +132,7 @@ void ObstacleContacts::collect(const NodalField& x) noexcept {
     const bool is_known = known != contacts_.end() && !is_before(contact, *known);
     if (is_known) contact = *known;
     evaluate(contact, x);
-    if (!is_known) contact.anchor = contact.position;
+    if (!is_known) anchor(contact);
     if (contact.gap <= options_.reach || contact.presses()) found_.push_back(contact);
   }
   omitted_ = std::max(0, static_cast<int>(found_.size()) - options_.most);
@@ -190,7 +202,7 @@ double ObstacleContacts::correct(const NodalField& x, Eigen::VectorXf& correctio
     if (place < 0) continue;  // not yet
     evaluate(contact, x);
     const mesh::PointWeights& sample = samples_[contact.sample];
-    Vector3d offset = contact.gap * contact.normal + contact.slip();
+    Vector3d offset = contact.gap * contact.normal + contact.slip;
     for (int i = 0; i < sample.count; ++i) {
       if (sample.nodes[i] >= body_.pattern.size()) continue;
       offset += sample.weights[i] * correction.segment<3>(3 * sample.nodes[i]).cast<double>();
@@ -199,7 +211,7 @@ double ObstacleContacts::correct(const NodalField& x, Eigen::VectorXf& correctio
     ConePoint& point = points_.emplace_back();
     point.place = place;
     point.normal = back * contact.normal;
-    point.friction = options_.obstacles[contact.obstacle].friction;
+    point.friction = obstacles_[contact.obstacle].friction;
     point.offset = back * offset;
     point.force = back * contact.force;
     contact_of_.push_back(c);
@@ -239,12 +251,17 @@ double ObstacleContacts::violation(const NodalField& x) noexcept {
   double largest = 0;
   for (SurfaceContact& contact : contacts_) {
     evaluate(contact, x);
-    const double r_n = contact.normal.dot(contact.force);
+    const double r_n = contact.normal_force();
     largest = std::max(largest, contact.presses() ? std::abs(contact.gap) : -contact.gap);
-    const double limit = options_.obstacles[contact.obstacle].friction * r_n;
-    const bool sticks =
-        contact.presses() && (contact.force - r_n * contact.normal).norm() < (1 - kAtLimit) * limit;
-    if (sticks) largest = std::max(largest, contact.slip().norm());
+    if (!contact.presses()) continue;
+    const double limit = obstacles_[contact.obstacle].friction * r_n;
+    const Vector3d friction = contact.force - r_n * contact.normal;
+    const double slip = contact.slip.norm();
+    if (friction.norm() < (1 - kAtLimit) * limit) {
+      largest = std::max(largest, slip);
+    } else if (limit > 0) {
+      largest = std::max(largest, (contact.slip + slip * friction.normalized()).norm());
+    }
   }
   return largest;
 }
@@ -268,12 +285,15 @@ void ObstacleContacts::describe(std::vector<int>& samples,
       point.point.nodes[point.point.count] = body_.pattern.node(sample.nodes[i]);
       point.point.weights[point.point.count++] = sample.weights[i];
     }
+    point.obstacle = contact.obstacle;
+    point.hand = obstacles_[contact.obstacle].hand;
+    point.position = contact.position;
     point.slips = contact.slips;
     point.normal = contact.normal;
     point.force = contact.force;
     if (contact.slips) {
       point.normal_derivative =
-          collision::normal_derivative(options_.obstacles[contact.obstacle], contact.position);
+          collision::normal_derivative(obstacles_[contact.obstacle], contact.position);
     }
   }
 }
@@ -281,13 +301,13 @@ void ObstacleContacts::describe(std::vector<int>& samples,
 void ObstacleContacts::finish_step(const NodalField& x) noexcept {
   for (SurfaceContact& contact : contacts_) {
     evaluate(contact, x);
-    const double r_n = contact.normal.dot(contact.force);
-    const double limit = options_.obstacles[contact.obstacle].friction * r_n;
+    const double r_n = contact.normal_force();
+    const double limit = obstacles_[contact.obstacle].friction * r_n;
     const bool slipped = contact.slips, pressed = contact.pressed;
     contact.pressed = contact.presses();
     contact.slips = contact.presses() &&
                     (contact.force - r_n * contact.normal).norm() >= (1 - kAtLimit) * limit;
-    if (!contact.presses() || contact.slips) contact.anchor = contact.position;
+    if (!contact.presses() || contact.slips) anchor(contact);
     // the response of the equilibrium has changed
     if (contact.pressed != pressed || contact.slips != slipped) factor_.want_new();
   }

@@ -5,37 +5,17 @@
 #include "core/collision/candidate_search.hpp"
 #include "core/elasticity/contact/cone_problem.hpp"
 #include "core/elasticity/contact/contact_options.hpp"
+#include "core/elasticity/contact/surface_contact.hpp"
 #include "core/elasticity/incremental/step_potential.hpp"
 #include "core/elasticity/incremental/warped_factor.hpp"
 #include "core/elasticity/static_response.hpp"
 
 namespace palpate::elasticity {
 
-/// Sample of the surface that touches an obstacle, or may soon. In O.
-struct SurfaceContact {
-  int sample = 0;
-  int obstacle = 0;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object
-  bool slips = false;    // under force, and at the limit of friction, after the last step
-  bool pressed = false;  // under force after the last step
-  // As last evaluated:
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // unit vector out of the obstacle
-  double gap = 0;                                      // m, negative inside
-  /// m, where the point has stuck last, or was before it touched: slip counts from there, so that
-  /// sticking points do not creep
-  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
-
-  bool presses() const noexcept { return !force.isZero(0); }
-  Eigen::Vector3d slip() const noexcept {
-    const Eigen::Vector3d way = position - anchor;
-    return way - normal.dot(way) * normal;
-  }
-};
-
 /// Contact forces of a step: loads of the quasi-Newton iteration that satisfy Signorini's and
 /// Coulomb's laws (ConeProblem) together with each correction. Gaps are those of the exact
-/// distances at the present positions and the residual is that of the exact element forces, so that
+/// distances at the present positions, slip is the displacement relative to the obstacle, which may
+/// move, and the residual is that of the exact element forces, so that
 /// the solution does not depend on the age of the factor whose compliances are used. Surfaces are
 /// sampled (surface_samples). Nothing allocates after construction.
 class ObstacleContacts {
@@ -50,6 +30,11 @@ class ObstacleContacts {
   static std::vector<mesh::PointWeights> numbered_samples(const NumberedBody& body,
                                                           const ContactOptions& options);
 
+  /// Moves an obstacle; to be called between steps.
+  void place(int obstacle, const collision::Placement& placement) noexcept {
+    obstacles_[obstacle].place(placement);
+  }
+
   /// Finds the contact points at `x`, where the step begins, and adds their forces, as of the last
   /// step, to the external forces. Computes missing compliances of points about to touch.
   void begin_step(const NodalField& x, StepPotential& potential) noexcept;
@@ -59,7 +44,7 @@ class ObstacleContacts {
   double correct(const NodalField& x, Eigen::VectorXf& correction,
                  StepPotential& potential) noexcept;
   /// Largest violation of the contact laws at `x`, m: penetration, gap under force, motion of a
-  /// sticking point.
+  /// sticking point, motion of a slipping one other than against its friction force.
   double violation(const NodalField& x) noexcept;
   double tolerance() const noexcept { return options_.tolerance; }
   /// Notes at the positions reached which points slip and from where.
@@ -81,12 +66,14 @@ class ObstacleContacts {
   void complete_table() noexcept;
   int free_place() const noexcept;
   void evaluate(SurfaceContact& contact, const NodalField& x) const noexcept;
+  void anchor(SurfaceContact& contact) const noexcept;
   Eigen::Matrix3d rotation(int sample) const noexcept;
 
   const NumberedBody& body_;
   const BoundaryConditions& boundary_;
   WarpedFactor& factor_;
   const ContactOptions& options_;
+  std::vector<collision::Obstacle> obstacles_;
   const std::vector<mesh::PointWeights>& samples_;
   std::vector<int> leading_;  // per sample: its node of the largest weight
   std::vector<int> patch_;    // per sample: grasp all of whose nodes it has, or -1
