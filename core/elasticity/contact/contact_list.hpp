@@ -12,19 +12,28 @@ namespace palpate::elasticity {
 /// Points of the surface within reach of obstacles, and those of them that can touch one in a step.
 /// Distances change by no more than points move, so that a point whose gap exceeds the largest
 /// motion since it was listed is neither evaluated nor considered; the list is renewed after a
-/// motion of a fraction of the reach. Nothing allocates after construction.
+/// motion of a fraction of the reach, and when an obstacle has moved. Nothing allocates after
+/// construction.
 class ContactList {
  public:
   /// All must outlive this object. `samples`: in the solver's numbering.
   ContactList(const NumberedBody& body, const BoundaryConditions& boundary,
               const ContactOptions& options, const std::vector<mesh::PointWeights>& samples);
 
+  /// Moves an obstacle; to be called between steps.
+  void place(int obstacle, const collision::Placement& placement) noexcept;
+  const collision::Obstacle& obstacle_of(const SurfaceContact& contact) const noexcept {
+    return obstacles_[contact.obstacle];
+  }
+
   /// Lists the points at `x`, where a step begins, and evaluates those that may touch in it.
   void begin_step(const NodalField& x) noexcept;
   /// Adds to close() the points that can touch if the nodes move by up to `ahead` m from `x`.
   void look_ahead(const NodalField& x, double ahead) noexcept;
-  /// Evaluates position, normal and gap at `x`.
+  /// Evaluates position, normal, gap and slip at `x`.
   void evaluate(SurfaceContact& contact, const NodalField& x) const noexcept;
+  /// Slip counts from the present position on.
+  void anchor(SurfaceContact& contact) const noexcept;
 
   /// Ordered by sample and obstacle.
   const std::vector<SurfaceContact>& contacts() const noexcept { return contacts_; }
@@ -47,6 +56,7 @@ class ContactList {
   const NumberedBody& body_;
   const BoundaryConditions& boundary_;
   const ContactOptions& options_;
+  std::vector<collision::Obstacle> obstacles_;
   const std::vector<mesh::PointWeights>& samples_;
   std::vector<int> patch_;  // per sample: grasp all of whose nodes it has, or -1
   double weight_sum_ = 1;   // largest sum of the absolute weights of a sample

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace palpate::elasticity {
 
@@ -17,17 +18,19 @@ struct SurfaceContact {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   // unit vector out of the obstacle
   double gap = 0;                                      // m, negative inside
   double gap_when_listed = 0;  // m, at the positions from which ContactList counts motion
-  /// m, where the point has stuck last, or was before it touched: slip counts from there, so that
-  /// sticking points do not creep
-  Eigen::Vector3d anchor = Eigen::Vector3d::Zero();
+  /// m, tangential, from the anchor
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();
+  /// m, material point of the obstacle, in its frame B, where the sample has stuck last, or was
+  /// before it touched: slip counts from there, so that sticking points follow the obstacle and do
+  /// not creep
+  Eigen::Vector3d anchor_B = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_before = Eigen::Vector3d::Zero();  // N, when the step began
   Eigen::Vector3d last_change = Eigen::Vector3d::Zero();   // N, of the force by the last step
 
   bool presses() const noexcept { return !force.isZero(0); }
-  Eigen::Vector3d slip() const noexcept {
-    const Eigen::Vector3d way = position - anchor;
-    return way - normal.dot(way) * normal;
-  }
+  double normal_force() const noexcept { return normal.dot(force); }  // N
 };
+
+inline const std::vector<SurfaceContact> kNoContacts{};
 
 }  // namespace palpate::elasticity
