@@ -31,8 +31,8 @@ struct StaticSolution {
   Eigen::Matrix3Xd reactions;  // N, force that holds each fixed or grasped node; zero elsewhere
 };
 
-/// Co-rotational equilibrium by full Newton with line search, offline: factors in every step.
-/// Reuses the elimination order for all equilibria of a body.
+/// Co-rotational equilibrium by full Newton with line search, offline: factors in every step. Knows
+/// no obstacles. Reuses the elimination order for all equilibria of a body.
 class StaticSolver {
  public:
   /// Throws std::invalid_argument for an invalid body.

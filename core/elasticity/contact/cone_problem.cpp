@@ -9,8 +9,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Between normal and tangential force of a sliding point in one sweep.
-constexpr int kAlternations = 1;
 // The larger eigenvalue of a point's tangential block lies between half its trace and its trace; a
 // projection with this share of the trace converges for all of them.
 constexpr double kTangentialShare = 0.6;
@@ -21,9 +19,9 @@ ConeProblem::ConeProblem(int most)
     : compliance_(3 * most, 3 * most),
       displacement_(3 * most),
       displacement_before_(3 * most),
-      along_(3 * most),
       before_(3 * most),
       direction_(3 * most),
+      along_(3 * most),
       blocks_(most) {
   gathered_.reserve(most);
 }
@@ -56,26 +54,20 @@ void ConeProblem::gather(const ComplianceColumns& table,
   }
 }
 
-/// Force of a point that cannot stick: `error` is gap and slip under its force.
+/// Force of a point that cannot stick: `error` is gap and slip under its force. Projects the normal
+/// force, then, with what that has changed, the tangential one.
 Vector3d ConeProblem::slide(const ConePoint& point, const Block& block, Vector3d error) noexcept {
   const Vector3d& n = point.normal;
-  Vector3d force = point.force;
-  const auto set_force = [&](const Vector3d& next) {
-    error += block.own * (next - force);
-    force = next;
-  };
-  for (int k = 0; k < kAlternations; ++k) {
-    const double r_n = std::max(0.0, n.dot(force) - n.dot(error) / block.normal);
-    if (r_n == 0) return Vector3d::Zero();
-    set_force(force + (r_n - n.dot(force)) * n);
-    if (point.friction == 0) return r_n * n;
-    Vector3d r_t = force - r_n * n;
-    if (block.tangential > 0) r_t -= (error - n.dot(error) * n) / block.tangential;
-    const double size = r_t.norm(), most = point.friction * r_n;
-    if (size > most) r_t *= most / size;
-    set_force(r_n * n + r_t);
-  }
-  return force;
+  const double before = n.dot(point.force);
+  const double r_n = std::max(0.0, before - n.dot(error) / block.normal);
+  if (r_n == 0) return Vector3d::Zero();
+  if (point.friction == 0) return r_n * n;
+  error += (r_n - before) * (block.own * n);
+  Vector3d r_t = point.force - before * n;
+  if (block.tangential > 0) r_t -= (error - n.dot(error) * n) / block.tangential;
+  const double size = r_t.norm(), most = point.friction * r_n;
+  if (size > most) r_t *= most / size;
+  return r_n * n + r_t;
 }
 
 /// Solves the law of one point; returns the displacement that it causes there, m.

@@ -28,11 +28,11 @@ struct ConeOptions {
 ///   0 <= r_n, 0 <= e_n, r_n e_n = 0,  |r_t| <= friction r_n,  e_t = 0 or r_t = -friction r_n
 ///   e_t / |e_t|.
 /// Solved by block projected Gauss-Seidel (Jourdan, Alart and Jean 1998; Duriez et al. 2006): a
-/// point that can stick takes the exact solution of its block, others alternate between the
-/// projections of normal and tangential force. Sweeps run to and fro, so that the order of the
-/// points matters less. Because compliances weight errors of force by the displacement that they
-/// cause, displacements converge much faster than the distribution of forces. Nothing allocates
-/// after construction.
+/// point that can stick takes the exact solution of its block, others project normal and tangential
+/// force in turn. Sweeps run to and fro, so that the order of the points matters less, and are
+/// combined as conjugate gradients (Silcowitz-Hansen, Niebe and Erleben 2010). Because compliances
+/// weight errors of force by the displacement that they cause, displacements converge much faster
+/// than the distribution of forces. Nothing allocates after construction.
 class ConeProblem {
  public:
   /// `most`: largest number of points.
@@ -61,8 +61,12 @@ class ConeProblem {
   int size_ = 0;                  // three per point
   Eigen::MatrixXf compliance_;    // among the points
   Eigen::VectorXf displacement_;  // u by point
-  Eigen::VectorXf displacement_before_, along_;
-  Eigen::VectorXd before_, direction_;
+  // Of the last sweep: u before it and its change; N, forces before it and their change.
+  Eigen::VectorXf displacement_before_;
+  Eigen::VectorXd before_;
+  // Conjugate direction, N, and the displacement along it.
+  Eigen::VectorXd direction_;
+  Eigen::VectorXf along_;
   std::vector<Block> blocks_;
   std::vector<int> gathered_;  // places of the points whose compliances are held
 };

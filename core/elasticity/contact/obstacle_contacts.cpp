@@ -299,7 +299,7 @@ void ObstacleContacts::finish_step(const NodalField& x) noexcept {
     const Vector3d change = contact.force - contact.force_before;
     alike += change.dot(contact.last_change);
     before += contact.last_change.squaredNorm();
-    // a point that has just closed does not go on as fast
+    // a point that has just closed will not change as much again
     contact.last_change = contact.force_before.isZero(0) ? Vector3d(Vector3d::Zero()) : change;
     const bool slipped = contact.slips, pressed = contact.pressed;
     contact.pressed = contact.presses();

@@ -31,7 +31,7 @@ struct ContactParts {
   Eigen::Matrix3Xd positions_;
 };
 
-/// Newton's method with the exact tangent, factored anew in each iteration, and the cone problem
+/// Newton's method with the exact tangent, factored in each iteration, and the cone problem
 /// with the compliances of that factor, until forces and contact laws hold within the tolerances:
 /// what a step costs without an incremental solver, and the reference for accuracy.
 class ContactNewton {

@@ -120,6 +120,20 @@ TEST(ConeProblem, AWarmStartAtTheSolutionChangesNothing) {
   for (int k = 0; k < 8; ++k) EXPECT_LT((again[k].force - points[k].force).norm(), 2e-5);
 }
 
+TEST(ConeProblem, CompliancesThatChangeAreUsedOnceTheyAreForgotten) {
+  const Springs first(6, 7), second(6, 8);
+  math::Random random(9);
+  const std::vector<ConePoint> posed = random_points(6, 0.3, random);
+  ConeProblem used(6), fresh(6);
+  std::vector<ConePoint> points = posed, expected = posed;
+  used.solve(first.table, {500, 1e-11}, points);
+  points = posed;
+  used.forget_compliances();
+  used.solve(second.table, {500, 1e-11}, points);
+  fresh.solve(second.table, {500, 1e-11}, expected);
+  for (int k = 0; k < 6; ++k) EXPECT_EQ(points[k].force, expected[k].force);
+}
+
 TEST(ComplianceColumns, APlaceCanBeTakenByAnotherSample) {
   Springs springs(5, 6);
   ComplianceColumns table(springs.samples, 5, 3);
