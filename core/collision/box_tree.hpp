@@ -27,6 +27,11 @@ class BoxTree {
     }
   }
 
+  /// Box of all items at the last refit; empty without items.
+  Eigen::AlignedBox3d bounds() const noexcept {
+    return nodes_.empty() ? Eigen::AlignedBox3d() : nodes_.front().box;
+  }
+
   /// Calls visit(item) for the items of leaves all of whose enclosing boxes are accepted by
   /// accept(box), in the fixed order of the tree.
   template <class Accept, class Visit>

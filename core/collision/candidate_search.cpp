@@ -4,6 +4,25 @@
 #include <cmath>
 
 namespace palpate::collision {
+namespace {
+
+/// Largest displacement, m, of the points of a box that move like an obstacle from one pose to
+/// another: as a convex function of the point it is greatest at a corner.
+double largest_displacement(const math::Pose& from, const math::Pose& to,
+                            const Eigen::AlignedBox3d& box) noexcept {
+  const Eigen::Matrix3d turn =
+      to.linear() * from.linear().transpose() - Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d shift =
+      to.translation() - (turn + Eigen::Matrix3d::Identity()) * from.translation();
+  double squared = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto type = static_cast<Eigen::AlignedBox3d::CornerType>(corner);
+    squared = std::max(squared, (turn * box.corner(type) + shift).squaredNorm());
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
 
 CandidateSearch::CandidateSearch(std::vector<mesh::PointWeights> samples,
                                  const std::vector<Obstacle>& obstacles, double reach, double skin)
@@ -24,6 +43,8 @@ CandidateSearch::CandidateSearch(std::vector<mesh::PointWeights> samples,
   }
   searched_at_.setZero(3, nodes);
   candidates_.reserve(samples_.size() * obstacles_.size());
+  placed_at_.resize(obstacles_.size(), math::Pose::Identity());
+  known_at_.resize(obstacles_.size(), 0);
 }
 
 void CandidateSearch::search(const Positions& positions) noexcept {
@@ -33,6 +54,8 @@ void CandidateSearch::search(const Positions& positions) noexcept {
   tree_.refit([&](int s) { return Eigen::AlignedBox3d(position(samples_[s], positions)); });
   for (int o = 0; o < static_cast<int>(obstacles_.size()); ++o) {
     const Obstacle& obstacle = obstacles_[o];
+    placed_at_[o] = obstacle.X_OB;
+    known_at_[o] = obstacle.is_known ? 1 : 0;
     tree_.visit(
         [&](const Eigen::AlignedBox3d& box) {
           const Eigen::Vector3d center = box.center();
@@ -48,14 +71,25 @@ void CandidateSearch::search(const Positions& positions) noexcept {
 }
 
 const std::vector<Candidate>& CandidateSearch::find(const Positions& positions) noexcept {
-  const double limit = skin_ / weight_sum_;
-  if (valid_) {
-    const auto moved = (positions.leftCols(searched_at_.cols()) - searched_at_).colwise();
-    valid_ = moved.squaredNorm().maxCoeff() <= limit * limit;
-  }
-  if (!valid_) search(positions);
+  if (!valid_ || !is_still_valid(positions)) search(positions);
   valid_ = true;
   return candidates_;
+}
+
+bool CandidateSearch::is_still_valid(const Positions& positions) const noexcept {
+  double left = skin_;
+  const Eigen::AlignedBox3d reached(tree_.bounds().min().array() - skin_,
+                                    tree_.bounds().max().array() + skin_);
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const Obstacle& obstacle = obstacles_[o];
+    if (obstacle.is_known != (known_at_[o] != 0)) return false;
+    if (!obstacle.is_known || obstacle.X_OB.matrix() == placed_at_[o].matrix()) continue;
+    left = std::min(left, skin_ - largest_displacement(obstacle.X_OB, placed_at_[o], reached));
+  }
+  if (!(left > 0)) return false;
+  const double limit = left / weight_sum_;
+  const auto moved = (positions.leftCols(searched_at_.cols()) - searched_at_).colwise();
+  return moved.squaredNorm().maxCoeff() <= limit * limit;
 }
 
 }  // namespace palpate::collision

@@ -96,9 +96,12 @@ void Obstacle::check() const {
   require(std::visit(SizeCheck(), shape), "sizes must be larger than 0 m and finite");
   require(friction >= 0 && std::isfinite(friction), "friction may not be negative");
   require(X_OB.matrix().allFinite(), "its pose is not finite");
+  require(V_O_B.vector().allFinite(), "its velocity is not finite");
+  require(hand >= -1 && hand <= 1, "hand must be -1, 0 or 1");
 }
 
 Proximity proximity(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
+  if (!obstacle.is_known) return {std::numeric_limits<double>::infinity(), Vector3d::UnitZ()};
   const Vector3d p = in_shape(obstacle, p_O);
   Proximity result = std::visit([&](const auto& shape) { return near(shape, p); }, obstacle.shape);
   result.normal = obstacle.X_OB.linear() * result.normal;

@@ -30,12 +30,35 @@ struct Capsule {
 using Shape =
     std::variant<HalfSpace, Box, Sphere, Cylinder, Capsule, std::shared_ptr<const DistanceGrid>>;
 
-/// Rigid body at rest that a deformable object can touch. O: the object's rest frame.
+/// Largest number of obstacles.
+inline constexpr int kMostObstacles = 8;
+
+/// Where an obstacle is, and how it moves. O: the object's rest frame.
+struct Placement {
+  math::Pose X_OB = math::Pose::Identity();
+  math::Twist V_O_B{};   // of the origin of B, in O
+  bool is_known = true;  // false: not placed yet; such an obstacle touches nothing
+};
+
+/// Rigid body that a deformable object can touch.
 struct Obstacle {
   std::string name;
   Shape shape;
   math::Pose X_OB = math::Pose::Identity();
   double friction = 0.5;  // Coulomb, between obstacle and object, >= 0
+  math::Twist V_O_B{};    // of the origin of B, in O
+  bool is_known = true;   // as in Placement
+  int hand = -1;          // grasp whose hand carries the obstacle rigidly; -1: none
+
+  void place(const Placement& placement) noexcept {
+    X_OB = placement.X_OB;
+    V_O_B = placement.V_O_B;
+    is_known = placement.is_known;
+  }
+  /// Velocity, m/s in O, of the obstacle's material point at `p_O`.
+  Eigen::Vector3d velocity_at(const Eigen::Vector3d& p_O) const noexcept {
+    return V_O_B.linear + V_O_B.angular.cross(p_O - X_OB.translation());
+  }
 
   /// Throws std::invalid_argument naming the obstacle if a value is out of range.
   void check() const;
@@ -48,8 +71,8 @@ struct Proximity {
 };
 
 /// Proximity, in O, of the obstacle's surface to the point `p_O`: negative inside, exact for all
-/// shapes but a DistanceGrid. Where the nearest surface point is not unique (a centre, an axis) the
-/// normal is one of the possible directions.
+/// shapes but a DistanceGrid, infinitely far if the obstacle is not placed. Where the nearest
+/// surface point is not unique (a centre, an axis) the normal is one of the possible directions.
 Proximity proximity(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
 double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
 Eigen::Vector3d normal(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;

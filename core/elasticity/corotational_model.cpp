@@ -94,8 +94,11 @@ math::Wrench CorotationalModel::reaction(int grasp) const noexcept {
 }
 
 const std::vector<SurfaceContact>& CorotationalModel::contacts() const noexcept {
-  static const std::vector<SurfaceContact> none;
-  return contacts_ ? contacts_->contacts() : none;
+  return contacts_ ? contacts_->contacts() : kNoContacts;
+}
+
+void CorotationalModel::place_obstacle(int index, const collision::Placement& placement) noexcept {
+  if (contacts_) contacts_->place(index, placement);
 }
 
 void CorotationalModel::watch_contact(int slot, const mesh::PointWeights& point) noexcept {

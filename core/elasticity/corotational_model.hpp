@@ -54,8 +54,8 @@ class CorotationalModel : public DeformationModel {
   /// has no unique equilibrium.
   bool is_regularised() const noexcept { return factor_.is_regularised(); }
 
-  /// Points of the surface on or near obstacles, after the last step.
-  const std::vector<SurfaceContact>& contacts() const noexcept;
+  void place_obstacle(int index, const collision::Placement& placement) noexcept override;
+  const std::vector<SurfaceContact>& contacts() const noexcept override;
 
   const ElementSet& elements() const noexcept { return body_.elements; }
   double factor_age() const noexcept { return factor_.age(); }  // s since its snapshot

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "core/collision/obstacle.hpp"
 #include "core/elasticity/body.hpp"
+#include "core/elasticity/contact/surface_contact.hpp"
 #include "core/elasticity/sensitivity.hpp"
 #include "core/mesh/point_locator.hpp"
 
@@ -82,6 +85,14 @@ class DeformationModel {
   /// differ or a number is not finite.
   virtual bool restore(const Eigen::Matrix3Xd& positions,
                        const Eigen::Matrix3Xd& velocities) noexcept = 0;
+
+  /// From the next step on obstacle `index` of the configuration is there. Models without contact
+  /// ignore it.
+  virtual void place_obstacle(int index, const collision::Placement& placement) noexcept {
+    static_cast<void>(index), static_cast<void>(placement);
+  }
+  /// Points of the surface on or near obstacles, after the last step; none without contact.
+  virtual const std::vector<SurfaceContact>& contacts() const noexcept { return kNoContacts; }
 };
 
 }  // namespace palpate::elasticity

@@ -79,6 +79,9 @@ void Sensitivity::resize(int nodes) {
   for (auto& m : dw_dparameter) m.setZero();
   for (auto& w : reaction) w.setZero();
   for (auto& m : dx_dforce) m.setZero(3 * nodes, 3);
+  for (auto& of_obstacle : dcontact_dxi) {
+    for (auto& row : of_obstacle) row.setZero();
+  }
   for (auto& row : dw_dforce) {
     for (auto& m : row) m.setZero();
   }
@@ -117,6 +120,11 @@ void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
     for (int c = 0; c < kContactSlots; ++c) {
       turn_wrench(w, snapshot.dw_dforce[a][c], turned.contacts[c], now.dw_dforce[a][c]);
     }
+  }
+  for (std::size_t o = 0; o < now.dcontact_dxi.size(); ++o) {
+    for (int g = 0; g < 2; ++g)
+      now.dcontact_dxi[o][g] =
+          snapshot.dcontact_dxi[o][g].lazyProduct(math::both_halves(turned.grasps[g]).transpose());
   }
   now.smallest_pivot = snapshot.smallest_pivot;
   now.valid = snapshot.valid;

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "core/collision/obstacle.hpp"
 #include "core/elasticity/element_stress.hpp"
 #include "core/math/rigid.hpp"
 
@@ -69,6 +70,10 @@ struct Sensitivity {
   /// Per force, N, in the axes of O, at each configured contact point; zero for others.
   std::array<Eigen::Matrix<double, Eigen::Dynamic, 3>, kContactSlots> dx_dforce;
   std::array<std::array<Eigen::Matrix<double, 6, 3>, kContactSlots>, 2> dw_dforce;
+
+  /// Per motion of each held grasp: the sum, N, of the normal forces of the points that press on
+  /// each obstacle; zero for obstacles that were not touched.
+  std::array<std::array<Eigen::Matrix<double, 1, 6>, 2>, collision::kMostObstacles> dcontact_dxi;
 
   /// Smallest pivot of the static tangent divided by its diagonal entry: decreases to zero as the
   /// object approaches buckling (recommended warning level: one twentieth of its value at rest).

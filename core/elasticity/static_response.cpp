@@ -82,7 +82,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
   columns.loaded.col(columns.parameters + Sensitivity::kPoisson) = -stacked(by_poisson);
   columns.loaded.col(columns.parameters + Sensitivity::kLogDensity) = stacked(weight);
   solve(K, factor, at.held, columns);
-  if (!at.touching.empty()) add_contact(at, K, factor, columns);
+  if (!at.touching.empty()) add_contact(at, K, factor, columns, out);
 
   for (int g = 0; g < 2; ++g) {
     if (columns.motion[g] >= 0) out.dx_dxi[g] = columns.moved.middleCols<6>(columns.motion[g]);
@@ -147,33 +147,51 @@ void StaticResponse::solve(const factor::BlockMatrix& K, const factor::Supernoda
 
 namespace {
 
-/// Law of a touching point for small changes: displacement * u + force * f = 0.
+/// Law of a touching point for small changes: displacement * (u - u_obstacle) + force * f + turn *
+/// n' = 0 with n' the change of the normal by rotation of the obstacle.
 struct PointLaw {
-  Eigen::Matrix3d displacement, force;
+  Eigen::Matrix3d displacement, force, turn;
 };
 
 PointLaw law_of(const TouchingPoint& touching) {
-  PointLaw law{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero()};
+  PointLaw law{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
   if (!touching.slips) return law;
   const Vector3d& n = touching.normal;
   const double r_n = n.dot(touching.force);
   const Vector3d q = touching.force / r_n - n;  // friction relative to the normal force
   const Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
   law.displacement.row(0) = n;
-  // f = dr_n (n + q) + r_n (dn + dq), dn = H u, dq = -n (q . dn)
+  // f = dr_n (n + q) + r_n (dn + dq), dn = H (u - u_obstacle) + n', dq = -n (q . dn)
   for (int row = 1; row <= 2; ++row) {
     const Vector3d& t = row == 1 ? t1 : t2;
     law.force.row(row) = t - t.dot(q) * n;
-    law.displacement.row(row) = -r_n * (t + t.dot(q) * q).transpose() * touching.normal_derivative;
+    law.turn.row(row) = -r_n * (t + t.dot(q) * q).transpose();
+    law.displacement.row(row) = law.turn.row(row) * touching.normal_derivative;
   }
   return law;
 }
 
+/// By motion xi of the hand that carries the obstacle: displacement of its material point at the
+/// touching point, and change of the normal there.
+struct Carried {
+  Eigen::Matrix<double, 3, 6> displacement, normal;
+};
+
+Carried carried(const TouchingPoint& touching, const Snapshot& at) {
+  Carried by_hand;
+  by_hand.displacement << Eigen::Matrix3d::Identity(),
+      -math::cross_matrix(touching.position - at.grasps[touching.hand].translation());
+  by_hand.normal << Eigen::Matrix3d::Zero(), -math::cross_matrix(touching.normal);
+  return by_hand;
+}
+
 }  // namespace
 
-/// Adds to `moved` and `loaded` the effect of the contact forces, and sets K x' in `product`.
+/// Adds to `moved` and `loaded` the effect of the contact forces, sets K x' in `product`, and the
+/// derivatives of the contact forces.
 void StaticResponse::add_contact(const Snapshot& at, const factor::BlockMatrix& K,
-                                 const factor::SupernodalFactor& factor, Columns& columns) const {
+                                 const factor::SupernodalFactor& factor, Columns& columns,
+                                 Sensitivity& out) const {
   const int count = static_cast<int>(at.touching.size());
   Eigen::MatrixXd responses = Eigen::MatrixXd::Zero(3 * pattern_.size(), 3 * count);
   for (int c = 0; c < count; ++c) {
@@ -185,16 +203,21 @@ void StaticResponse::add_contact(const Snapshot& at, const factor::BlockMatrix& 
   }
   factor.solve(responses, at.held);
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(3 * count, 3 * count);
-  Eigen::MatrixXd free = Eigen::MatrixXd::Zero(3 * count, columns.count);
+  // displacements of the points relative to the obstacles, first without changes of contact forces
+  Eigen::MatrixXd relative = Eigen::MatrixXd::Zero(3 * count, columns.count);
+  Eigen::MatrixXd normals = relative;  // changes of the normals by rotation of the obstacles
   for (int c = 0; c < count; ++c) {
-    const mesh::PointWeights& point = at.touching[c].point;
-    for (int i = 0; i < point.count; ++i) {
-      const int node = point.nodes[i], k = pattern_.unknown(node);
-      free.middleRows<3>(3 * c) +=
-          point.weights[i] * columns.moved.block(3 * node, 0, 3, columns.count);
-      if (k >= 0)
-        compliance.middleRows<3>(3 * c) += point.weights[i] * responses.middleRows<3>(3 * k);
+    const TouchingPoint& touching = at.touching[c];
+    for (int i = 0; i < touching.point.count; ++i) {
+      const int node = touching.point.nodes[i], k = pattern_.unknown(node);
+      const double weight = touching.point.weights[i];
+      relative.middleRows<3>(3 * c) += weight * columns.moved.block(3 * node, 0, 3, columns.count);
+      if (k >= 0) compliance.middleRows<3>(3 * c) += weight * responses.middleRows<3>(3 * k);
     }
+    if (touching.hand < 0 || columns.motion[touching.hand] < 0) continue;
+    const Carried by_hand = carried(touching, at);
+    relative.block<3, 6>(3 * c, columns.motion[touching.hand]) -= by_hand.displacement;
+    normals.block<3, 6>(3 * c, columns.motion[touching.hand]) = by_hand.normal;
   }
   // Points whose forces are linearly dependent, like the nodes of a face and its centre, share them
   // by this compliance.
@@ -205,9 +228,23 @@ void StaticResponse::add_contact(const Snapshot& at, const factor::BlockMatrix& 
     const PointLaw law = law_of(at.touching[c]);
     system.middleRows<3>(3 * c) = law.displacement * compliance.middleRows<3>(3 * c);
     system.block<3, 3>(3 * c, 3 * c) += law.force + weak * law.displacement;
-    changes.middleRows<3>(3 * c) = -law.displacement * free.middleRows<3>(3 * c);
+    changes.middleRows<3>(3 * c) =
+        -law.displacement * relative.middleRows<3>(3 * c) - law.turn * normals.middleRows<3>(3 * c);
   }
   changes = system.partialPivLu().solve(changes).eval();
+  relative += compliance * changes;
+  for (int c = 0; c < count; ++c) {
+    const TouchingPoint& touching = at.touching[c];
+    Eigen::RowVectorXd by_change = touching.normal.transpose() * changes.middleRows<3>(3 * c) +
+                                   touching.force.transpose() * normals.middleRows<3>(3 * c);
+    if (touching.slips)
+      by_change +=
+          touching.force.transpose() * touching.normal_derivative * relative.middleRows<3>(3 * c);
+    for (int g = 0; g < 2; ++g) {
+      if (columns.motion[g] >= 0)
+        out.dcontact_dxi[touching.obstacle][g] += by_change.segment<6>(columns.motion[g]);
+    }
+  }
   const Eigen::MatrixXd moved = responses * changes;
   for (int k = 0; k < pattern_.size(); ++k) {
     columns.moved.block(3 * pattern_.node(k), 0, 3, columns.count) += moved.middleRows<3>(3 * k);

@@ -11,6 +11,9 @@ namespace palpate::elasticity {
 /// Point of the surface that presses on an obstacle. In O.
 struct TouchingPoint {
   mesh::PointWeights point;
+  int obstacle = 0;
+  int hand = -1;  // grasp whose hand carries the obstacle; -1: none
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();           // m
   bool slips = false;                                           // at the limit of friction
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();            // unit vector out of the obstacle
   Eigen::Vector3d force = Eigen::Vector3d::Zero();              // N, on the object
@@ -34,8 +37,9 @@ struct Snapshot {
 /// G = [1, -[r]x] at the nodes of a patch (docs/theory.md, section 2). Points that touch an
 /// obstacle add unknown changes of their contact forces, by a Schur complement: a sticking point
 /// does not move; a slipping one moves across the normal, and its force keeps its direction
-/// relative to the normal, which turns with the surface of the obstacle. At a change between these
-/// states derivatives are one-sided. Allocates, does not throw.
+/// relative to the normal, which turns with the surface of the obstacle. An obstacle that a hand
+/// carries moves with it. At a change between these states derivatives are one-sided. Allocates,
+/// does not throw.
 class StaticResponse {
  public:
   StaticResponse(const Body& body, const ElementSet& elements, const factor::BlockPattern& pattern);
@@ -52,7 +56,8 @@ class StaticResponse {
   void solve(const factor::BlockMatrix& K, const factor::SupernodalFactor& factor,
              factor::Held held, Columns& columns) const;
   void add_contact(const Snapshot& at, const factor::BlockMatrix& K,
-                   const factor::SupernodalFactor& factor, Columns& columns) const;
+                   const factor::SupernodalFactor& factor, Columns& columns,
+                   Sensitivity& out) const;
   math::Vector6d reaction(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual) const;
   Wrenches wrenches(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual,
                     const Columns& columns) const;

@@ -40,8 +40,9 @@ ContactList::ContactList(const NumberedBody& body, const BoundaryConditions& bou
     : body_(body),
       boundary_(boundary),
       options_(options),
+      obstacles_(options.obstacles),
       samples_(samples),
-      search_(samples, options.obstacles, options.reach, options.skin),
+      search_(samples, obstacles_, options.reach, options.skin),
       x_listed_(body.rest),
       x_begin_(body.rest) {
   for (const mesh::PointWeights& sample : samples_) {
@@ -52,7 +53,7 @@ ContactList::ContactList(const NumberedBody& body, const BoundaryConditions& bou
   }
   contacts_.reserve(options.most);
   close_.reserve(options.most);
-  found_.reserve(samples_.size() * options.obstacles.size());
+  found_.reserve(samples_.size() * obstacles_.size());
 }
 
 void ContactList::clear() noexcept {
@@ -80,10 +81,25 @@ void ContactList::evaluate(SurfaceContact& contact, const NodalField& x) const n
   Vector4d p = Vector4d::Zero();
   for (int i = 0; i < sample.count; ++i) p += sample.weights[i] * x.col(sample.nodes[i]);
   contact.position = p.head<3>();
-  const collision::Proximity proximity =
-      collision::proximity(options_.obstacles[contact.obstacle], contact.position);
+  const collision::Obstacle& obstacle = obstacle_of(contact);
+  const collision::Proximity proximity = collision::proximity(obstacle, contact.position);
   contact.gap = proximity.distance;
   contact.normal = proximity.normal;
+  const Eigen::Vector3d way = contact.position - obstacle.X_OB * contact.anchor_B;
+  contact.slip = way - contact.normal.dot(way) * contact.normal;
+}
+
+void ContactList::anchor(SurfaceContact& contact) const noexcept {
+  const math::Pose& X_OB = obstacle_of(contact).X_OB;
+  contact.anchor_B = X_OB.linear().transpose() * (contact.position - X_OB.translation());
+  contact.slip.setZero();
+}
+
+void ContactList::place(int obstacle, const collision::Placement& placement) noexcept {
+  collision::Obstacle& moved = obstacles_[obstacle];
+  if (moved.is_known != placement.is_known || moved.X_OB.matrix() != placement.X_OB.matrix())
+    listed_ = false;
+  moved.place(placement);
 }
 
 /// Sets contacts_ to the points within reach and those under force.
@@ -129,7 +145,7 @@ void ContactList::select(double ahead) noexcept {
     if (!contact.presses() && contact.gap_when_listed > ahead) continue;
     close_.push_back(c);
     evaluate(contact, x_begin_);
-    if (!contact.presses()) contact.anchor = contact.position;
+    if (!contact.presses()) anchor(contact);
   }
   ahead_ = ahead;
 }

@@ -8,7 +8,7 @@ namespace palpate::elasticity {
 
 /// Contact of the object with rigid obstacles; without obstacles the solver has no part in it.
 struct ContactOptions {
-  std::vector<collision::Obstacle> obstacles;  // in O
+  std::vector<collision::Obstacle> obstacles;  // at most collision::kMostObstacles
   int most = 160;                              // contact points at once; the nearest ones are kept
   double reach = 2e-3;                         // m, distance below which a point is a contact point
   double skin = 4e-3;      // m, motion of a node after which candidates are searched again

@@ -18,6 +18,8 @@ constexpr double kAtLimit = 1e-6;  // relative, of the limit of friction
 const ContactOptions& checked(const ContactOptions& options) {
   using math::check_option;
   for (const collision::Obstacle& obstacle : options.obstacles) obstacle.check();
+  check_option(options.obstacles.size() <= collision::kMostObstacles, "obstacles",
+               options.obstacles.size(), "at most " + std::to_string(collision::kMostObstacles));
   check_option(options.most >= 1, "most", options.most, "at least 1");
   check_option(options.reach > 0, "reach", options.reach, "above 0");
   check_option(options.skin > 0, "skin", options.skin, "above 0");
@@ -183,7 +185,7 @@ void ObstacleContacts::pose_problem(const NodalField& x,
     point.place = place;
     point.normal = contact.normal;
     point.friction = friction_of(contact);
-    point.offset = contact.gap * contact.normal + contact.slip() + motion;
+    point.offset = contact.gap * contact.normal + contact.slip + motion;
     point.force = contact.force;
     contact_of_.push_back(c);
   }
@@ -247,8 +249,13 @@ double ObstacleContacts::violation(const NodalField& x) noexcept {
     SurfaceContact& contact = list_.contact(c);
     list_.evaluate(contact, x);
     largest = std::max(largest, contact.presses() ? std::abs(contact.gap) : -contact.gap);
-    const bool sticks = contact.presses() && !contact.at_limit;
-    if (sticks) largest = std::max(largest, contact.slip().norm());
+    if (!contact.presses()) continue;
+    const double slip = contact.slip.norm();
+    const Vector3d friction = contact.force - contact.normal_force() * contact.normal;
+    if (!contact.at_limit)
+      largest = std::max(largest, slip);
+    else if (friction_of(contact) > 0)
+      largest = std::max(largest, (contact.slip + slip * friction.normalized()).norm());
   }
   return largest;
 }
@@ -273,13 +280,15 @@ void ObstacleContacts::describe(std::vector<int>& samples,
       point.point.nodes[point.point.count] = body_.pattern.node(sample.nodes[i]);
       point.point.weights[point.point.count++] = sample.weights[i];
     }
+    const collision::Obstacle& obstacle = list_.obstacle_of(contact);
+    point.obstacle = contact.obstacle;
+    point.hand = obstacle.hand;
+    point.position = contact.position;
     point.slips = contact.slips;
     point.normal = contact.normal;
     point.force = contact.force;
-    if (contact.slips) {
-      point.normal_derivative =
-          collision::normal_derivative(options_.obstacles[contact.obstacle], contact.position);
-    }
+    if (contact.slips)
+      point.normal_derivative = collision::normal_derivative(obstacle, contact.position);
   }
 }
 
@@ -296,7 +305,7 @@ void ObstacleContacts::finish_step(const NodalField& x) noexcept {
     contact.pressed = contact.presses();
     contact.slips = contact.pressed && contact.at_limit;
     if (contact.pressed) list_.evaluate(contact, x);
-    if (contact.slips) contact.anchor = contact.position;
+    if (contact.slips) list_.anchor(contact);
     // the response of the equilibrium has changed
     if (contact.pressed != pressed || contact.slips != slipped) factor_.want_new();
   }

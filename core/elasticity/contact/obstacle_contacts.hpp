@@ -13,9 +13,10 @@ namespace palpate::elasticity {
 
 /// Contact forces of a step: loads of the quasi-Newton iteration that satisfy Signorini's and
 /// Coulomb's laws (ConeProblem) together with each correction. Gaps are those of the exact
-/// distances at the present positions and the residual is that of the exact element forces, so that
-/// the solution does not depend on the age of the factor whose compliances are used. Surfaces are
-/// sampled (surface_samples). Nothing allocates after construction.
+/// distances at the present positions, slip is the displacement relative to the obstacle, which may
+/// move, and the residual is that of the exact element forces, so that the solution does not depend
+/// on the age of the factor whose compliances are used. Surfaces are sampled (surface_samples).
+/// Nothing allocates after construction.
 class ObstacleContacts {
  public:
   /// All must outlive this object. `samples`: in the solver's numbering. Throws
@@ -28,6 +29,11 @@ class ObstacleContacts {
   static std::vector<mesh::PointWeights> numbered_samples(const NumberedBody& body,
                                                           const ContactOptions& options);
 
+  /// Moves an obstacle; to be called between steps.
+  void place(int obstacle, const collision::Placement& placement) noexcept {
+    list_.place(obstacle, placement);
+  }
+
   /// Finds the contact points at `x`, where the step begins, and adds their forces, as of the last
   /// step, to the external forces. Computes missing compliances of points about to touch.
   void begin_step(const NodalField& x, StepPotential& potential) noexcept;
@@ -37,7 +43,7 @@ class ObstacleContacts {
   double correct(const NodalField& x, Eigen::VectorXf& correction,
                  StepPotential& potential) noexcept;
   /// Largest violation of the contact laws at `x`, m: penetration, gap under force, motion of a
-  /// sticking point.
+  /// sticking point, motion of a slipping one other than against its friction force.
   double violation(const NodalField& x) noexcept;
   double tolerance() const noexcept { return options_.tolerance; }
   /// Notes at the positions reached which points slip and from where.
@@ -64,7 +70,7 @@ class ObstacleContacts {
   int free_place() const noexcept;
   void pose_problem(const NodalField& x, const Eigen::VectorXf& correction) noexcept;
   double friction_of(const SurfaceContact& contact) const noexcept {
-    return options_.obstacles[contact.obstacle].friction;
+    return list_.obstacle_of(contact).friction;
   }
   Eigen::Matrix3d rotation(int sample) const noexcept;
 

@@ -68,8 +68,8 @@ std::vector<Obstacle> obstacles() {
            0.5}};
 }
 
-TEST(CandidateSearch, MissesNothingWithinReachOfAMovingBody) {
-  const auto all = obstacles();
+TEST(CandidateSearch, MissesNothingWithinReachOfAMovingBodyAndMovingObstacles) {
+  auto all = obstacles();
   const double reach = 0.003, skin = 0.004;
   CandidateSearch search(surface_samples(mesh::extract_surface(bar()), bar().nodes, 0.012), all,
                          reach, skin);
@@ -81,6 +81,10 @@ TEST(CandidateSearch, MissesNothingWithinReachOfAMovingBody) {
     for (int n = 0; n < positions.cols(); ++n) {
       for (int i = 0; i < 3; ++i) positions(i, n) += random.uniform(-1e-4, 1e-4);
     }
+    Obstacle& ball = all[1];
+    ball.X_OB.translation() += 2e-4 * Vector3d(std::sin(0.02 * step), 0, -std::cos(0.01 * step));
+    all[0].X_OB.linear() = math::exp_rotation({0.02 * std::sin(0.01 * step), 0, 0});
+    ball.is_known = step % 500 < 400;
     const std::vector<Candidate>& candidates = search.find(positions);
     std::size_t next = 0;
     for (int s = 0; s < static_cast<int>(search.samples().size()); ++s) {
@@ -102,7 +106,7 @@ TEST(CandidateSearch, MissesNothingWithinReachOfAMovingBody) {
     EXPECT_EQ(next, candidates.size());
   }
   EXPECT_GT(found, 1000);
-  EXPECT_LT(search.searches(), steps / 4);
+  EXPECT_LT(search.searches(), steps / 2);
 }
 
 TEST(CandidateSearch, AsksTheTreeOnlyAfterMotion) {
@@ -118,6 +122,27 @@ TEST(CandidateSearch, AsksTheTreeOnlyAfterMotion) {
   positions.row(2).array() += 0.0002;
   search.find(positions);
   EXPECT_EQ(search.searches(), 2);
+}
+
+TEST(CandidateSearch, AsksTheTreeWhereAnObstacleHasMoved) {
+  auto all = obstacles();
+  CandidateSearch search(surface_samples(mesh::extract_surface(bar()), bar().nodes, 1), all, 0.003,
+                         0.004);
+  search.find(bar().nodes);
+  all[0].X_OB.translation().z() += 0.0039;
+  search.find(bar().nodes);
+  EXPECT_EQ(search.searches(), 1);
+  all[0].X_OB.translation().z() += 0.0002;
+  search.find(bar().nodes);
+  EXPECT_EQ(search.searches(), 2);
+  // by a turn about its origin, the far end of the bar's box comes nearer by 4 mm
+  all[0].X_OB.linear() = math::exp_rotation({0, -0.004 / 0.205, 0});
+  search.find(bar().nodes);
+  EXPECT_EQ(search.searches(), 3);
+  all[1].is_known = false;
+  search.find(bar().nodes);
+  EXPECT_EQ(search.searches(), 4);
+  for (const Candidate& candidate : search.find(bar().nodes)) EXPECT_EQ(candidate.obstacle, 0);
 }
 
 }  // namespace

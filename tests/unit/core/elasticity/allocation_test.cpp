@@ -57,6 +57,8 @@ void expect_no_allocation(DeformationModel& model) {
   model.prepare();
   const Body& body = model.body();
   const math::Pose rest = body.grasps[0].X_OG_rest;
+  collision::Placement table;  // where there is one
+  table.X_OB.translation().z() = -1e-4;
   Refactorisation* job = nullptr;
   const auto in_loop = [&](auto&& work) { EXPECT_EQ(count_allocations(work), 0); };
   in_loop([&] {
@@ -75,6 +77,8 @@ void expect_no_allocation(DeformationModel& model) {
       for (int i = 0; i < 20; ++i) {
         X.translation().z() += 2e-4;
         model.hold(0, X);
+        table.X_OB.translation().z() -= 1e-6;
+        model.place_obstacle(0, table);
         model.step(1e-3);
         (void)model.reaction(0);
         (void)model.sensitivity();

@@ -23,14 +23,16 @@ class Pressed {
   explicit Pressed(const collision::Obstacle& obstacle, double scale = 1)
       : body_(make_bar({0.2, 0.03, 0.03}, {6, 1, 1}, mesh::ElementOrder::kQuadratic,
                        {scale * 3e4, 0.3, 100})),
+        obstacle_(obstacle),
         model_(body_, options(obstacle)) {
     body_.gravity_O = {0, 0, -kGravity};
     model_.prepare();
     model_.set_gravity({0, 0, -kGravity});
+    const bool lifts = obstacle.hand == 0;  // what it carries presses from below
     for (int i = 0; i <= 40; ++i) {
       hand_ = body_.grasps[0].X_OG_rest;
-      hand_.translation() += i / 40.0 * Vector3d(-0.002, 0.001, -0.008);
-      hand_.linear() = rotation(0.1 * i / 40, Vector3d::UnitY());
+      hand_.translation() += i / 40.0 * Vector3d(-0.002, 0.001, lifts ? 0.008 : -0.008);
+      hand_.linear() = rotation(lifts ? 0 : 0.1 * i / 40, Vector3d::UnitY());
       move(hand_);
     }
   }
@@ -41,6 +43,11 @@ class Pressed {
   /// Positions, stacked, with the hand at `pose`.
   VectorXd move(const math::Pose& pose) {
     model_.hold(0, pose);
+    if (obstacle_.hand == 0) {
+      collision::Placement placement;
+      placement.X_OB = pose * body_.grasps[0].X_OG_rest.inverse() * obstacle_.X_OB;
+      model_.place_obstacle(0, placement);
+    }
     for (int i = 0; i < 60; ++i) {
       const StepReport report = model_.step(kDt);
       refactor(model_);
@@ -70,9 +77,17 @@ class Pressed {
   }
 
   Body body_;
+  collision::Obstacle obstacle_;
   CorotationalQuasistatic model_;
   math::Pose hand_;
 };
+
+/// N, sum of the normal forces.
+double normal_force(const CorotationalModel& model) {
+  double sum = 0;
+  for (const SurfaceContact& contact : model.contacts()) sum += contact.normal_force();
+  return sum;
+}
 
 /// The node of the bar's upper side next to its middle.
 int top_middle(const mesh::ElementMesh& mesh) {
@@ -83,6 +98,11 @@ int top_middle(const mesh::ElementMesh& mesh) {
       nearest = n;
   }
   return nearest;
+}
+
+collision::Obstacle of_hand(collision::Obstacle obstacle) {
+  obstacle.hand = 0;
+  return obstacle;
 }
 
 class ContactSensitivity : public ::testing::TestWithParam<World> {};
@@ -123,16 +143,21 @@ TEST_P(ContactSensitivity, OfHandMotionAndForceEqualsCentralDifferences) {
     }
     const VectorXd ahead = pressed.move(forward);
     const math::Vector6d w_ahead = model.reaction(0).vector();
+    const double force_ahead = normal_force(model);
     EXPECT_EQ(pressed.states(), states) << "the state has changed";
     const VectorXd behind = pressed.move(backward);
     const math::Vector6d w_behind = model.reaction(0).vector();
+    const double force_change = (force_ahead - normal_force(model)) / (2 * step);
     EXPECT_EQ(pressed.states(), states) << "the state has changed";
     EXPECT_LT(relative(sensitivity.dx_dxi[0].col(k), (ahead - behind) / (2 * step)), 1e-4) << k;
     EXPECT_LT(relative(sensitivity.dw_dxi[0][0].col(k), (w_ahead - w_behind) / (2 * step)), 1e-3)
         << k;
+    const auto& by_motion = sensitivity.dcontact_dxi[0][0];
+    EXPECT_NEAR(by_motion[k], force_change, 1e-3 * by_motion.norm()) << k;
   }
+  EXPECT_GT(sensitivity.dcontact_dxi[0][0].norm(), 1);
   for (int axis = 0; axis < 3; ++axis) {
-    const double force = 2e-5;
+    const double force = 4e-5;  // N, so that what the settled positions lack is below 1e-4
     model.loads()(axis, loaded) = force;
     const VectorXd ahead = pressed.move(pressed.hand());
     model.loads()(axis, loaded) = -force;
@@ -147,7 +172,9 @@ INSTANTIATE_TEST_SUITE_P(
     Worlds, ContactSensitivity,
     ::testing::Values(World{"smooth_table", plane({0, 0, -0.004}, {0, 0, 1}, 0)},
                       World{"sticking_table", plane({0, 0, -0.004}, {0, 0, 1}, 5)},
-                      World{"smooth_rod", rod({0.12, 0.015, -0.024}, 0.02, 0)}));
+                      World{"smooth_rod", rod({0.12, 0.015, -0.024}, 0.02, 0)},
+                      World{"smooth_rod_of_the_hand",
+                            of_hand(rod({0.14, 0.015, -0.0215}, 0.02, 0))}));
 
 TEST(ContactSensitivityOfModulus, EqualsCentralDifferencesOnASmoothRod) {
   const collision::Obstacle obstacle = rod({0.12, 0.015, -0.024}, 0.02, 0);
