@@ -12,7 +12,6 @@
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
 #include "rt/registry/box.hpp"
-#include "rt/registry/obstacles.hpp"
 
 namespace palpate::registry {
 namespace {
