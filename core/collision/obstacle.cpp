@@ -67,6 +67,17 @@ Proximity near(const std::shared_ptr<const DistanceGrid>& grid, const Vector3d& 
   return {grid->distance(p), grid->normal(p)};
 }
 
+struct InscribedRadius {
+  double operator()(const HalfSpace& /*plane*/) const { return kBluntest; }
+  double operator()(const Box& box) const { return box.half_size.minCoeff(); }
+  double operator()(const Sphere& sphere) const { return sphere.radius; }
+  double operator()(const Cylinder& cylinder) const {
+    return std::min(cylinder.radius, 0.5 * cylinder.length);
+  }
+  double operator()(const Capsule& capsule) const { return capsule.radius; }
+  double operator()(const std::shared_ptr<const DistanceGrid>& /*grid*/) const { return 0; }
+};
+
 struct SizeCheck {
   static bool is_length(double value) { return value > 0 && std::isfinite(value); }
   bool operator()(const HalfSpace& /*plane*/) const { return true; }
@@ -110,6 +121,10 @@ Proximity proximity(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
 
 double distance(const Obstacle& obstacle, const Vector3d& p_O) noexcept {
   return proximity(obstacle, p_O).distance;
+}
+
+double inscribed_radius(const Shape& shape) noexcept {
+  return std::min(kBluntest, std::visit(InscribedRadius(), shape));
 }
 
 Vector3d normal(const Obstacle& obstacle, const Vector3d& p_O) noexcept {

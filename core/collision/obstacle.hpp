@@ -77,6 +77,11 @@ Proximity proximity(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexce
 double distance(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
 Eigen::Vector3d normal(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;
 
+/// Radius, m, of a sphere that fits into the shape and touches its surface in the middle of a face,
+/// at most kBluntest; 0 for a DistanceGrid, for which it is not known.
+double inscribed_radius(const Shape& shape) noexcept;
+inline constexpr double kBluntest = 1;  // m
+
 /// Derivative of the normal by the point, 1/m: the Hessian of the distance. It contains the
 /// curvature of the surface and is zero on flat ones; undefined at edges. By central differences.
 Eigen::Matrix3d normal_derivative(const Obstacle& obstacle, const Eigen::Vector3d& p_O) noexcept;

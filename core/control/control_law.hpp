@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/collision/obstacle.hpp"
 #include "core/elasticity/deformation_model.hpp"
 #include "core/kinematics/serial_chain.hpp"
 #include "core/math/rigid.hpp"
@@ -70,6 +71,8 @@ struct LawInputs {
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};  // estimated wrench of the hand on the object at G, in O
   const JointInputs* joints = nullptr;     // set if the law commands joints
+  /// Where the obstacles of the configuration are, in its order; nullptr: as configured.
+  const std::vector<collision::Placement>* obstacles = nullptr;
   /// Standard deviation of each node position of the model, m, as in Estimate; nullptr: not
   /// estimated.
   const std::vector<float>* node_deviation = nullptr;

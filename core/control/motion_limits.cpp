@@ -12,8 +12,9 @@ namespace palpate::control {
 namespace {
 
 using math::QuadraticProgram;
-constexpr math::RowPriority kHard{}, kHandOfJoints{1, 10.0}, kGrasp{1, 1.0}, kStrain{1, 0.3},
-    kObstacle{2, 1.0}, kWorkspace{3, 1.0};
+constexpr math::RowPriority kHard{}, kHandOfJoints{1, 10.0}, kGrasp{1, 1.0}, kContactForce{1, 0.6},
+    kStrain{1, 0.3}, kObstacle{2, 1.0}, kWorkspace{3, 1.0};
+constexpr double kNoMotion = 1e-9;  // of a row: smaller ones are zero but for rounding
 }  // namespace
 
 /// Converts rows over the motion of the grasps into rows over the program's variables.
@@ -21,7 +22,8 @@ struct MotionLimits::Rows {
   QuadraticProgram& program;
   const Map& map;
   std::array<Limit, QuadraticProgram::kMostRows>& limit_of;
-  double rate;  // of a position row: 1/s, or 1 for displacements
+  double rate;       // of a position row: 1/s, or 1 for displacements
+  bool is_velocity;  // variables are velocities, not displacements
 
   void add(const Row& row, double lower, double upper, Limit kind, math::RowPriority priority) {
     const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 16> mapped =
@@ -67,6 +69,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
                            const elasticity::Body* body)
     : options_(options), grasps_(std::move(grasps)) {
   using math::check_not_negative;
+  using math::check_positive;
   using math::check_positive_finite;
   const auto fraction = [](double value, const char* name) {
     math::check_option(value >= 0 && value < 1, name, value, "0 to below 1");
@@ -77,7 +80,6 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   check_positive_finite(options.slip.lever, "slip.lever");
   check_positive_finite(options.slip.width, "slip.width");
   check_not_negative(options.slip.pinch, "slip.pinch");
-  check_not_negative(options.clearance, "clearance");
   check_not_negative(options.clearance_deviations, "clearance_deviations");
   check_not_negative(options.fallback_deviation, "fallback_deviation");
   check_not_negative(options.pivot, "pivot");
@@ -85,10 +87,18 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   math::check_option(options.slip.normal_G.norm() > 1e-6, "slip.normal",
                      options.slip.normal_G.transpose(), "a vector longer than 1e-6");
   options_.slip.normal_G.normalize();
-  math::check_option(options.obstacles.size() <= kMostObstacles, "obstacles",
-                     options.obstacles.size(), "at most 4");
-  for (const Obstacle& obstacle : options.obstacles)
-    check_positive_finite(obstacle.radius, "obstacles.radius");
+  math::check_option(options.obstacles.size() <= collision::kMostObstacles, "obstacles",
+                     options.obstacles.size(),
+                     "at most " + std::to_string(collision::kMostObstacles));
+  std::vector<collision::Obstacle> kept_off;
+  for (const LimitedObstacle& obstacle : options.obstacles) {
+    obstacle.body.check();
+    check_not_negative(obstacle.clearance, "clearance of " + obstacle.body.name);
+    check_positive(obstacle.force, "force on " + obstacle.body.name);
+    if (obstacle.may_touch) continue;
+    kept_off_.push_back(static_cast<int>(&obstacle - options.obstacles.data()));
+    kept_off.push_back(obstacle.body);
+  }
   math::check_option(!grasps_.empty() && grasps_.size() <= 2, "grasps", grasps_.size(), "1 or 2");
   options.joints.check();
   math::check_option(options.joints.empty() || grasps_.size() == 1, "grasps", grasps_.size(),
@@ -99,9 +109,9 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
       options.stretch == 0 || (options.stretch > 1 && std::isfinite(options.stretch)), "stretch",
       options.stretch, "above 1, or 0 for no limit");
   const bool strains = options.stress > 0 || options.stretch > 0;
-  if ((strains || !options.obstacles.empty()) && body == nullptr)
+  if ((strains || !kept_off.empty()) && body == nullptr)
     throw std::invalid_argument(
-        "body: null; allowed: an object, where stress, stretch or obstacles are limited");
+        "body: null; allowed: an object, where stress, stretch or a clearance is limited");
   fraction(options.strain_margin, "strain_margin");
   options_.stress *= 1 - options.strain_margin;
   if (options.stretch != 0)
@@ -110,9 +120,9 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
     if (box) math::check_box(box->lower, box->upper, "workspace of a flange");
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
-  if (!options.obstacles.empty())
-    obstacles_.emplace(mesh::extract_surface(body->mesh), options.obstacles,
-                       options.fallback_deviation);
+  if (!kept_off.empty())
+    gaps_.emplace(mesh::extract_surface(body->mesh), std::move(kept_off),
+                  options.fallback_deviation);
 }
 
 double MotionLimits::buckling_scale(const elasticity::DeformationModel& model) noexcept {
@@ -132,7 +142,10 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
   if (inputs.model == nullptr) return;
   if (stress_) stress_->look(inputs.model->positions());
   if (stretch_) stretch_->look(inputs.model->positions());
-  if (obstacles_) obstacles_->look(inputs.model->positions(), inputs.node_deviation);
+  if (!gaps_) return;
+  for (std::size_t i = 0; inputs.obstacles != nullptr && i < kept_off_.size(); ++i)
+    gaps_->place(static_cast<int>(i), (*inputs.obstacles)[kept_off_[i]]);
+  gaps_->look(inputs.model->positions(), inputs.node_deviation);
 }
 
 /// Limits each component of the hands' motion, and the speed along the present direction of motion,
@@ -140,7 +153,7 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
 /// maximum deceleration.
 void MotionLimits::add_rates(QuadraticProgram& program, const LawInputs& inputs, const Map& map,
                              const Motion& before, const Variables& variables_before) noexcept {
-  Rows rows{program, map, limit_of_, 1};
+  Rows rows{program, map, limit_of_, 1, true};
   const double scale = inputs.model == nullptr ? 1 : this->buckling_scale(*inputs.model);
   const math::RowPriority priority = options_.joints.empty() ? kHard : kHandOfJoints;
   for (int i = 0; i < size(); ++i) {
@@ -171,7 +184,7 @@ void MotionLimits::add_rates(QuadraticProgram& program, const LawInputs& inputs,
 
 void MotionLimits::add_places(QuadraticProgram& program, const LawInputs& inputs, const Map& map,
                               const Variables& variables_before) noexcept {
-  Rows rows{program, map, limit_of_, options_.damper};
+  Rows rows{program, map, limit_of_, options_.damper, true};
   const JointLimits& joints = options_.joints;
   for (int i = 0; i < joints.count(); ++i) {
     // Within the bounds of add_rates(), so that the two never contradict each other.
@@ -186,7 +199,7 @@ void MotionLimits::add_places(QuadraticProgram& program, const LawInputs& inputs
 
 void MotionLimits::add_gaps(QuadraticProgram& program, const LawInputs& inputs,
                             const Map& map) noexcept {
-  Rows rows{program, map, limit_of_, 1};
+  Rows rows{program, map, limit_of_, 1, false};
   const JointLimits& joints = options_.joints;
   for (int i = 0; i < joints.count(); ++i) {
     const double q = inputs.joints->q[i];
@@ -204,9 +217,7 @@ void MotionLimits::add_all_places(Rows& rows, const LawInputs& inputs) noexcept 
   for (int g = 0; g < moving; ++g) add_wrench(rows, inputs, g);
   if (stress_) add_strain(rows, model, *stress_, options_.stress, Limit::kStress);
   if (stretch_) add_strain(rows, model, *stretch_, options_.stretch, Limit::kStretch);
-  if (obstacles_)
-    for (const ObstacleGaps::Point& point : obstacles_->points())
-      add_near_point(rows, model, point);
+  add_obstacles(rows, inputs);
   for (int g = 0; g < moving; ++g) add_workspace(rows, inputs, g);
 }
 
@@ -303,19 +314,64 @@ void MotionLimits::add_strain(Rows& rows, const elasticity::DeformationModel& mo
   }
 }
 
-void MotionLimits::add_near_point(Rows& rows, const elasticity::DeformationModel& model,
-                                  const ObstacleGaps::Point& point) noexcept {
+void MotionLimits::add_obstacles(Rows& rows, const LawInputs& inputs) noexcept {
+  for (std::size_t i = 0; i < kept_off_.size(); ++i) {
+    const double clearance = options_.obstacles[kept_off_[i]].clearance;
+    const ObstacleGaps::Point* points = gaps_->points().data() + ObstacleGaps::kPoints * i;
+    for (int k = 0; k < ObstacleGaps::kPoints; ++k)
+      add_near_point(rows, inputs, gaps_->obstacle(static_cast<int>(i)), points[k], clearance);
+  }
+  for (std::size_t i = 0; i < options_.obstacles.size(); ++i) {
+    const double limit = options_.obstacles[i].force;
+    if (std::isfinite(limit)) add_contact_force(rows, *inputs.model, static_cast<int>(i), limit);
+  }
+}
+
+/// Limits how fast the point approaches the obstacle, which may move, with a hand that moves or by
+/// itself.
+void MotionLimits::add_near_point(Rows& rows, const LawInputs& inputs,
+                                  const collision::Obstacle& obstacle,
+                                  const ObstacleGaps::Point& point, double clearance) noexcept {
   Row row = Row::Zero(1, size());
+  bool is_carried = false;  // by a hand that moves
   for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving) {
-    const auto& S = model.sensitivity().dx_dxi[grasps_[moving]];
+    const int grasp = grasps_[moving];
+    const auto& S = inputs.model->sensitivity().dx_dxi[grasp];
     for (int i = 0; i < point.on.count; ++i)
       row.segment<6>(6 * moving) +=
           point.on.weights[i] *
           point.away_O.transpose().lazyProduct(S.middleRows<3>(3 * point.on.nodes[i]));
+    if (obstacle.hand != grasp) continue;
+    is_carried = true;
+    const Eigen::Vector3d arm = point.on.position - inputs.X_OG[grasp].translation();
+    row.segment<3>(6 * moving) -= point.away_O.transpose();
+    row.segment<3>(6 * moving + 3) -= arm.cross(point.away_O).transpose();
   }
-  const double left =
-      point.gap - options_.clearance - options_.clearance_deviations * point.deviation;
-  rows.add(row, -rows.rate * left, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
+  const double left = point.gap - clearance - options_.clearance_deviations * point.deviation;
+  const double approach = rows.is_velocity && !is_carried
+                              ? point.away_O.dot(obstacle.velocity_at(point.on.position))
+                              : 0;  // m/s
+  // a point that moves with the obstacle keeps its distance
+  const double lower =
+      row.norm() > kNoMotion ? approach - rows.rate * left : -QuadraticProgram::kNoBound;
+  rows.add(row, lower, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
+}
+
+/// Limits the sum of the model's normal forces on an obstacle.
+void MotionLimits::add_contact_force(Rows& rows, const elasticity::DeformationModel& model,
+                                     int obstacle, double limit) noexcept {
+  double force = 0;  // N
+  for (const elasticity::SurfaceContact& contact : model.contacts()) {
+    if (contact.obstacle == obstacle) force += contact.normal_force();
+  }
+  Row row = Row::Zero(1, size());
+  for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving)
+    row.segment<6>(6 * moving) =
+        model.sensitivity().dcontact_dxi[static_cast<std::size_t>(obstacle)][grasps_[moving]];
+  // zero until a sensitivity has been computed in contact
+  const double upper =
+      row.norm() > kNoMotion ? rows.rate * (limit - force) : QuadraticProgram::kNoBound;
+  rows.add(row, -QuadraticProgram::kNoBound, upper, Limit::kContactForce, kContactForce);
 }
 
 }  // namespace palpate::control

@@ -6,6 +6,7 @@
 
 #include "core/control/control_law.hpp"
 #include "core/control/obstacle_gaps.hpp"
+#include "core/control/obstacle_limit.hpp"
 #include "core/elasticity/worst_elements.hpp"
 #include "core/math/quadratic_program.hpp"
 
@@ -53,10 +54,10 @@ struct MotionLimitOptions : HandLimits {
   /// Workspace of the flange, by grasp, as the gate enforces it; the gate would stop the hand
   /// there, whereas these rows deflect its motion.
   std::array<std::optional<FlangeBox>, 2> flange;
-  std::vector<Obstacle> obstacles;  // at most kMostObstacles entries
-  double clearance = 0.005;         // m, minimum distance from obstacles
-  /// Number of standard deviations of the estimated position added to the clearance: 2 cover 95 %
-  /// of the true positions.
+  /// Obstacles of the configuration, in its order.
+  std::vector<LimitedObstacle> obstacles;
+  /// Number of standard deviations of the estimated position added to the clearance from obstacles:
+  /// 2 cover 95 % of the true positions.
   double clearance_deviations = 2;
   /// m, fallback standard deviation when the estimator provides none: shapes from the hand's pose
   /// alone have a mean error of 0.8 mm under the mismatch "all", 2.7 mm at most.
@@ -81,6 +82,7 @@ enum class Limit {
   kStress,
   kStretch,
   kObstacle,
+  kContactForce,
   kWorkspace,
   kJoint
 };
@@ -88,20 +90,19 @@ enum class Limit {
 /// Rows of a quadratic program that enforce the limits. Its variables y move one or two grasps, u =
 /// map y with u = (v, w) of each in O, m/s and rad/s. Hard limits: speed, acceleration and, if
 /// joints are commanded, joint speed, acceleration and position. Soft limits, relaxed in the
-/// reverse order of this list: wrench and slip, then stress and stretch (level 1), obstacles (level
-/// 2), workspace of the hand (level 3). If joints are commanded, the hand's speed and acceleration
-/// limits are relaxed after all others. Reference: docs/theory.md, section 6. Nothing allocates
-/// after construction.
+/// reverse order of this list: wrench and slip, then forces on obstacles, then stress and stretch
+/// (level 1), clearance from obstacles (level 2), workspace of the hand (level 3). If joints are
+/// commanded, the hand's speed and acceleration limits are relaxed after all others. Reference:
+/// docs/theory.md, section 6. Nothing allocates after construction.
 class MotionLimits {
  public:
-  static constexpr int kMostObstacles = 4;
   using Motion = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
   using Variables = math::ColumnFactor::Vector;
   using Map = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 16>;
 
   /// `grasps`: indices of the moving grasps, one or two. `body`: object, required only for limits
-  /// of stress and stretch and for obstacles. Throws std::invalid_argument if an option is out of
-  /// range.
+  /// of stress and stretch and for clearance from obstacles. Throws std::invalid_argument if an
+  /// option is out of range.
   MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,
                const elasticity::Body* body = nullptr);
 
@@ -145,14 +146,18 @@ class MotionLimits {
   void add_workspace(Rows& rows, const LawInputs& inputs, int moving) noexcept;
   void add_strain(Rows& rows, const elasticity::DeformationModel& model,
                   const elasticity::WorstElements& worst, double limit, Limit kind) noexcept;
-  void add_near_point(Rows& rows, const elasticity::DeformationModel& model,
-                      const ObstacleGaps::Point& point) noexcept;
+  void add_obstacles(Rows& rows, const LawInputs& inputs) noexcept;
+  void add_near_point(Rows& rows, const LawInputs& inputs, const collision::Obstacle& obstacle,
+                      const ObstacleGaps::Point& point, double clearance) noexcept;
+  void add_contact_force(Rows& rows, const elasticity::DeformationModel& model, int obstacle,
+                         double limit) noexcept;
   int size() const noexcept { return 6 * static_cast<int>(grasps_.size()); }
 
   MotionLimitOptions options_;
   std::vector<int> grasps_;
   std::optional<elasticity::WorstElements> stress_, stretch_;
-  std::optional<ObstacleGaps> obstacles_;
+  std::vector<int> kept_off_;         // indices of the obstacles that the object may not touch
+  std::optional<ObstacleGaps> gaps_;  // to these
   std::array<Limit, math::QuadraticProgram::kMostRows> limit_of_{};
   double first_pivot_ = 0;
 };

@@ -2,17 +2,14 @@
 
 #include <vector>
 
+#include "core/collision/box_tree.hpp"
+#include "core/collision/obstacle.hpp"
 #include "core/contact/surface_match.hpp"
 
 namespace palpate::control {
 
-/// Spherical obstacle that the object must not touch.
-struct Obstacle {
-  Eigen::Vector3d center_O = Eigen::Vector3d::Zero();
-  double radius = 0.05;  // m
-};
-
-/// Distances between the deformed object and obstacles. Nothing allocates after construction.
+/// Distances between the deformed object and obstacles of any shape. Nothing allocates after
+/// construction.
 class ObstacleGaps {
  public:
   /// Points per obstacle: the nearest point of the curved surface, which lies between nodes and is
@@ -22,31 +19,39 @@ class ObstacleGaps {
 
   struct Point {
     contact::SurfaceMatch on;
-    Eigen::Vector3d away_O = Eigen::Vector3d::UnitZ();  // unit vector from the obstacle's centre
-    /// m, from the surface of the obstacle to the point
+    Eigen::Vector3d away_O = Eigen::Vector3d::UnitZ();  // unit vector out of the obstacle
+    /// m, signed, from the surface of the obstacle to the point
     double gap = 0;
     /// m, standard deviation of the point's position, the largest of its nodes
     double deviation = 0;
   };
 
   /// `fallback_deviation`: m, standard deviation of positions when none is estimated.
-  ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles,
+  ObstacleGaps(const mesh::Surface& surface, std::vector<collision::Obstacle> obstacles,
                double fallback_deviation);
+
+  void place(int obstacle, const collision::Placement& placement) noexcept {
+    obstacles_[obstacle].place(placement);
+  }
+  const collision::Obstacle& obstacle(int index) const noexcept { return obstacles_[index]; }
 
   /// Evaluates the object with these positions (3 x n, m). `node_deviation`: m, by node; nullptr:
   /// not estimated.
   void look(const Eigen::Matrix3Xd& positions, const std::vector<float>* node_deviation) noexcept;
 
-  /// Result of the last look(): kPoints per obstacle.
+  /// Result of the last look(): kPoints per obstacle, with an infinite gap if it is not placed.
   const std::vector<Point>& points() const noexcept { return points_; }
 
  private:
-  void find_nearest_nodes(const Eigen::Matrix3Xd& positions, const Obstacle& obstacle,
+  void find_nearest_nodes(const Eigen::Matrix3Xd& positions, const collision::Obstacle& obstacle,
                           Point* points) const noexcept;
+  contact::SurfaceMatch find_nearest_point(const collision::Obstacle& obstacle,
+                                           const Point& nearest_node) const noexcept;
 
-  std::vector<Obstacle> obstacles_;
+  std::vector<collision::Obstacle> obstacles_;
   double fallback_deviation_;
   std::vector<int> nodes_;  // nodes of the surface
+  collision::BoxTree tree_;
   contact::SurfaceMatcher matcher_;
   std::vector<Point> points_;
 };

@@ -19,6 +19,8 @@ const char* relaxed_limit_message(Limit limit) {
       return "the limit of stretch is relaxed";
     case Limit::kObstacle:
       return "an obstacle's clearance is relaxed";
+    case Limit::kContactForce:
+      return "the limit of the force on an obstacle is relaxed";
     case Limit::kWorkspace:
       return "the hand's workspace is relaxed";
     default:
@@ -36,6 +38,8 @@ const char* active_limit_message(Limit limit) {
       return "the target lies beyond the limit of stretch";
     case Limit::kObstacle:
       return "the target lies behind an obstacle";
+    case Limit::kContactForce:
+      return "the target lies beyond the limit of the force on an obstacle";
     case Limit::kJoint:
       return "the target lies beyond a joint's limit";
     default:

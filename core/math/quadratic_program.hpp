@@ -64,7 +64,7 @@ struct RowPriority {
 /// each cycle. A limit that is inactive in this cycle remains as a row with infinite bounds.
 struct QuadraticProgram {
   static constexpr int kMostVariables = ColumnFactor::kMost;
-  static constexpr int kMostRows = 144;
+  static constexpr int kMostRows = 160;
   static constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
   /// H = 0, g = 0, no rows. Throws std::invalid_argument unless 1 <= variables <= kMostVariables.

@@ -71,7 +71,16 @@ struct ShapeObservation {
   Eigen::Matrix<float, 3, kMostPoints> points_W = Eigen::Matrix<float, 3, kMostPoints>::Zero();
 };
 
-/// All inputs of the sensing stage in one tick, and the observations for the estimator.
+/// Pose and velocity of an obstacle B.
+struct ObstacleState {
+  double time = 0;              // s, clock of the sender
+  std::array<char, 24> name{};  // zero-terminated
+  math::Pose X_WB = math::Pose::Identity();
+  math::Twist V_W_B;  // of the origin of B, in W
+};
+
+/// All inputs of the sensing stage in one tick, the observations for the estimator, and moving
+/// obstacles.
 struct Signals {
   double dt = 1e-3;  // s
   Stream<ForceTorque> force_torque;
@@ -81,6 +90,7 @@ struct Signals {
   std::array<Stream<BioTac, 4>, 5> biotac;
   Stream<ManualForce, 4> manual;
   Stream<ShapeObservation, 1> observation;
+  Stream<ObstacleState, 16> world;
 };
 
 }  // namespace palpate::sensing

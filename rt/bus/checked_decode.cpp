@@ -1,6 +1,7 @@
 #include "rt/bus/checked_decode.hpp"
 
 #include <cstring>
+#include <palpate/contacts_v1_t.hpp>
 #include <palpate/health_v1_t.hpp>
 #include <type_traits>
 #include <utility>
@@ -14,7 +15,20 @@ void copy_header(const Former& former, Message& message) {
   message.utime = former.utime;
   message.seq = former.seq;
   message.session = former.session;
-  message.mesh_hash = former.mesh_hash;
+}
+
+template <class Array>
+void copy_array(const Array& from, Array& to) {
+  std::memcpy(&to, &from, sizeof(Array));
+}
+
+void convert(contacts_v1_t&& former, contacts_t& message) {
+  copy_header(former, message);
+  message.count = former.count;
+  copy_array(former.source, message.source);
+  copy_array(former.location, message.location);
+  copy_array(former.wrench, message.wrench);
+  copy_array(former.deviation, message.deviation);
 }
 
 /// The fields only had other names.
@@ -27,6 +41,7 @@ void convert(health_v1_t&& former, health_t& message) {
 
 void convert(shape_v1_t&& former, shape_t& message) {
   copy_header(former, message);
+  message.mesh_hash = former.mesh_hash;
   message.status = former.status;
   message.age_us = former.age_us;
   message.chunks = 1;
@@ -39,6 +54,7 @@ void convert(shape_v1_t&& former, shape_t& message) {
 
 void convert(shape_mesh_v1_t&& former, shape_mesh_t& message) {
   copy_header(former, message);
+  message.mesh_hash = former.mesh_hash;
   message.element_kind = former.element_kind;
   message.chunk = former.chunk;
   message.chunks = former.chunks;
@@ -66,6 +82,9 @@ bool decode_either(Message& message, const void* data, int size) {
 
 }  // namespace
 
+bool decode(contacts_t& message, const void* data, int size) {
+  return decode_either<contacts_v1_t>(message, data, size);
+}
 bool decode(health_t& message, const void* data, int size) {
   return decode_either<health_v1_t>(message, data, size);
 }

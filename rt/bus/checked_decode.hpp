@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <palpate/contacts_t.hpp>
 #include <palpate/health_t.hpp>
 #include <palpate/shape_mesh_t.hpp>
 #include <palpate/shape_mesh_v1_t.hpp>
@@ -53,13 +54,15 @@ bool checked_decode(Message& message, const void* data, int size) {
 }
 
 /// The same for messages that may be from a log: of the present type, or of a former type of that
-/// name (docs/messages.md), which is converted. Former shapes and meshes contain the corner
-/// nodes only: the elements of such a mesh have 4 nodes, whatever its element_kind. False if the
+/// name (docs/messages.md), which is converted. Former contacts are without predicted ones. Former
+/// shapes and meshes contain the corner nodes only: the elements of such a mesh have 4 nodes,
+/// whatever its element_kind. False if the
 /// message has another type or size.
 template <class Message>
 bool decode(Message& message, const void* data, int size) {
   return checked_decode(message, data, size);
 }
+bool decode(contacts_t& message, const void* data, int size);
 bool decode(health_t& message, const void* data, int size);
 bool decode(shape_t& message, const void* data, int size);
 bool decode(shape_mesh_t& message, const void* data, int size);

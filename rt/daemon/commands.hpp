@@ -34,8 +34,8 @@ class Commands {
   void handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
               std::int64_t utime) noexcept;
 
-  /// Reports, at most once per second, that commands or manual forces (`manual`) were rejected.
-  void announce_rejected(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
+  /// Reports, at most once per second, that commands or signed inputs (`inputs`) were rejected.
+  void announce_rejected(const Inputs::Admissions& inputs, std::int64_t monotonic_ns,
                          std::int64_t utime) noexcept;
   /// Number of commands and targets without a valid code or with an old counter.
   std::int64_t rejected() const noexcept {
@@ -79,7 +79,7 @@ class Commands {
   std::array<char, 32> last_answer_{};  // to the last command
   std::array<char, 256> last_reason_{};
   TargetAssembly assembly_;
-  std::array<std::int64_t, 3> rejected_reported_{};  // for commands, targets, manual forces
+  std::array<std::int64_t, 4> rejected_reported_{};  // for commands, targets, signed inputs
   std::int64_t rejected_reported_ns_ = 0;
 
   bus::StampedPublisher<component_event_t> events_;

@@ -34,6 +34,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       types_(control),
       overruns_(settings_.overruns) {
   root.check_all_used();
+  inputs_.set_moved_obstacles(pipeline_.obstacles().moved());
 }
 
 void Daemon::mark(Phase phase) noexcept {
@@ -137,7 +138,7 @@ void Daemon::publish(const Now& now) noexcept {
     if (record_ && condition.state == pipeline::LifeCycle::kFaulted) record_->hand_over("fault");
     commands_.announce(condition, now.utime);
   }
-  commands_.announce_rejected(inputs_.manual_admission(), now.monotonic_ns, now.utime);
+  commands_.announce_rejected(inputs_.admissions(), now.monotonic_ns, now.utime);
   if (pipeline_.fallbacks_taken() != reported_fallbacks_) {
     reported_fallbacks_ = pipeline_.fallbacks_taken();
     if (record_) record_->hand_over("fallback");
@@ -168,7 +169,9 @@ void Daemon::publish(const Now& now) noexcept {
       const std::int64_t allocations = loop::allocations_of_this_thread();
       counters_.allocations = allocations < 0 ? -1 : allocations - allocations_at_start_;
     }
-    counters_.commands_rejected = commands_.rejected() + inputs_.manual_admission().rejected();
+    counters_.commands_rejected = commands_.rejected();
+    for (const bus::ReplayGuard* admission : inputs_.admissions())
+      counters_.commands_rejected += admission->rejected();
     health_.publish(counters_, condition, inputs_, pipeline_.running_models(), now.utime);
   }
   if (every(1.0, 7)) health_.publish_config(now.utime);

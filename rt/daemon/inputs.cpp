@@ -10,8 +10,10 @@
 #include <palpate/manual_force_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_observation_t.hpp>
+#include <palpate/world_state_t.hpp>
 
 #include "rt/bus/session.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -97,6 +99,21 @@ bool convert(const manual_force_t& m, sensing::ManualForce& out) noexcept {
   return true;
 }
 
+/// The twist is also bounded because the obstacle keeps it until the next message.
+bool convert(const world_state_t& m, sensing::ObstacleState& out) noexcept {
+  constexpr double kFastest = 10, kFastestTurn = 50;  // m/s, rad/s
+  if (!all_plausible(m.position, 3) || !all_plausible(m.twist, 6) ||
+      !math::is_unit_quaternion(m.quaternion))
+    return false;
+  out.V_W_B = math::Twist::from(Eigen::Map<const math::Vector6d>(m.twist));
+  if (out.V_W_B.linear.norm() > kFastest || out.V_W_B.angular.norm() > kFastestTurn) return false;
+  out.time = seconds(m.utime);
+  bus::put_text(out.name, bus::get_text(m.name));
+  out.X_WB.linear() = math::rotation_from_wxyz(m.quaternion);
+  out.X_WB.translation() = Eigen::Map<const Eigen::Vector3d>(m.position);
+  return true;
+}
+
 bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
   constexpr int kNeeded = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC;
   if ((m.valid & kNeeded) != kNeeded || m.pac_count < 1 || m.pac_count > 22) return false;
@@ -172,12 +189,12 @@ template <class Message, class Stream>
 class Inputs::ChannelOf final : public Channel {
  public:
   ChannelOf(bus::MessageBus& bus, const char* name, int depth, Stream& stream, double frozen_after,
-            bus::ReplayGuard& manual_admission)
+            Inputs& inputs)
       : name_(name),
         queue_(bus, name, depth),
         stream_(stream),
         frozen_after_ns_(static_cast<std::int64_t>(frozen_after * 1e9)),
-        manual_admission_(manual_admission) {
+        inputs_(inputs) {
     if constexpr (!kIsManual) queue_.lock_to_first_publisher(kSilence);
   }
 
@@ -228,14 +245,20 @@ class Inputs::ChannelOf final : public Channel {
  private:
   using Sample = decltype(Stream::latest);
   static constexpr bool kIsManual = std::is_same_v<Message, manual_force_t>;
+  static constexpr bool kIsWorld = std::is_same_v<Message, world_state_t>;
   /// ns of silence before another publisher of the same channel is accepted: much longer than the
   /// timeout of a silent sensor, so that a stray publisher does not take over when a machine
   /// stalls.
   static constexpr std::int64_t kSilence = 200'000'000;
 
-  /// Whether the sender is authorised; checked for manual forces only.
+  /// Whether the sender is authorised, for signed messages, and the obstacle is one that messages
+  /// move.
   bool is_admitted() noexcept {
-    if constexpr (kIsManual) return manual_admission_.judge(message_) == bus::Admitted::kFresh;
+    if constexpr (kIsManual)
+      return inputs_.manual_admission_.judge(message_) == bus::Admitted::kFresh;
+    if constexpr (kIsWorld)
+      return inputs_.world_admission_.judge(message_) == bus::Admitted::kFresh &&
+             inputs_.is_moved(bus::get_text(message_.name));
     return true;
   }
 
@@ -271,7 +294,7 @@ class Inputs::ChannelOf final : public Channel {
   bus::TypedSubscription<Message> queue_;
   Stream& stream_;
   std::int64_t frozen_after_ns_;  // 0: unlimited
-  bus::ReplayGuard& manual_admission_;
+  Inputs& inputs_;
   bus::SequenceTracker sequence_;
   std::int64_t invalid_ = 0;
   std::int64_t arrival_ns_ = 0;
@@ -287,8 +310,8 @@ class Inputs::ChannelOf final : public Channel {
 template <class Message, class Stream>
 Inputs::Channel& Inputs::add(bus::MessageBus& bus, const char* name, int depth, Stream& stream,
                              double frozen_after) {
-  channels_.push_back(std::make_unique<ChannelOf<Message, Stream>>(
-      bus, name, depth, stream, frozen_after, manual_admission_));
+  channels_.push_back(
+      std::make_unique<ChannelOf<Message, Stream>>(bus, name, depth, stream, frozen_after, *this));
   return *channels_.back();
 }
 
@@ -303,13 +326,20 @@ void Inputs::add_arm(bus::MessageBus& bus, int arm, const FrozenAfter& frozen_af
 
 Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after,
                const bus::Access& access)
-    : manual_admission_(channel::kManualForce, access) {
+    : manual_admission_(channel::kManualForce, access),
+      world_admission_(channel::kWorldState, access) {
   add_arm(control, 0, frozen_after);
   add<manual_force_t>(control, channel::kManualForce, 8, signals_[0].manual);
   for (std::size_t i = 0; i < kBiotacChannels.size(); ++i)
     add<biotac_t>(control, kBiotacChannels[i], 8, signals_[0].biotac[i], frozen_after.biotac);
   add<shape_observation_t>(control, channel::kShapeObservation, 4, signals_[0].observation);
+  add<world_state_t>(control, channel::kWorldState, 16, signals_[0].world);
   if (arms > 1) add_arm(control, 1, frozen_after);
+}
+
+bool Inputs::is_moved(const char* obstacle) const noexcept {
+  return moved_ != nullptr && std::any_of(moved_->begin(), moved_->end(),
+                                          [&](const auto& name) { return name == obstacle; });
 }
 
 Inputs::~Inputs() = default;

@@ -33,11 +33,11 @@ struct FrozenAfter {
 
 /// Converts sensor channels of the control bus to Signals; validates every message before use
 /// (values finite and plausible, unit quaternions, counts in range, sequence, changing values). A
-/// second arm has separate channels, whose names end in _1, except for fingertips, manual forces
-/// and observations of the shape; its channels are optional.
+/// second arm has separate channels, whose names end in _1, except for fingertips, manual forces,
+/// observations of the shape and obstacles; its channels are optional.
 class Inputs {
  public:
-  /// `access`: access control of manual forces.
+  /// `access`: access control of manual forces and of obstacles that messages move.
   explicit Inputs(bus::MessageBus& control, int arms = 1, const FrozenAfter& frozen_after = {},
                   const bus::Access& access = {});
   ~Inputs();
@@ -47,11 +47,16 @@ class Inputs {
   /// Drains all queues into the streams, with ages as of `now_ns` (CLOCK_MONOTONIC or virtual).
   /// `stepped`: messages count as arrived at `now_ns`, because they were timed by another clock.
   void read(std::int64_t now_ns, double dt, bool stepped = false) noexcept;
+  /// Names of the obstacles that messages may move; messages for others are rejected. Must remain
+  /// valid.
+  void set_moved_obstacles(const std::vector<std::string>& names) noexcept { moved_ = &names; }
 
   /// Signals of arm 0 and of everything not assigned to an arm, or of arm 1.
   const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
   int channel_count() const noexcept { return static_cast<int>(channels_.size()); }
-  const bus::ReplayGuard& manual_admission() const noexcept { return manual_admission_; }
+  /// Access control of the signed channels: manual forces, obstacles.
+  using Admissions = std::array<const bus::ReplayGuard*, 2>;
+  Admissions admissions() const noexcept { return {&manual_admission_, &world_admission_}; }
   InputReport report(int channel) const noexcept;  // the second arm's channels come last
 
   /// True if a sensor, hand or robot of an arm has restarted by the last read(): stored information
@@ -62,13 +67,15 @@ class Inputs {
   class Channel;
   template <class Message, class Stream>
   class ChannelOf;
+  bool is_moved(const char* obstacle) const noexcept;
   template <class Message, class Stream>
   Channel& add(bus::MessageBus& bus, const char* name, int depth, Stream& stream,
                double frozen_after = 0);
   void add_arm(bus::MessageBus& bus, int arm, const FrozenAfter& frozen_after);
 
   std::array<sensing::Signals, 2> signals_;
-  bus::ReplayGuard manual_admission_;
+  bus::ReplayGuard manual_admission_, world_admission_;
+  const std::vector<std::string>* moved_ = nullptr;
   std::vector<std::unique_ptr<Channel>> channels_;  // in the order of report()
 };
 

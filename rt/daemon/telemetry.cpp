@@ -91,13 +91,12 @@ void MeshTelemetry::publish_shape(const pipeline::Pipeline& pipeline, std::int64
 Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
                      const pipeline::Pipeline& pipeline, std::int64_t session,
                      const bus::Access& access)
-    : contacts_stamp_(session),
-      unknown_stamp_(session),
+    : unknown_stamp_(session),
       estimate_stamp_(session),
       feature_stamp_(session),
       shape_stamp_(session),
       mesh_stamp_(session),
-      contacts_(control, channel::kContacts, bus::Urgency::kLater),
+      contacts_(control, session),
       unknown_(control, channel::kUnknownContact, bus::Urgency::kLater),
       estimate_(control, channel::kEstimate, bus::Urgency::kLater),
       feature_(control, channel::kFeature, bus::Urgency::kLater),
@@ -146,17 +145,7 @@ void Telemetry::publish_unknown_contact(const estimation::UnknownContact& contac
 }
 
 void Telemetry::publish_state(const pipeline::Pipeline& pipeline, std::int64_t utime) noexcept {
-  const sensing::ContactSet& contacts = pipeline.contacts();
-  contacts_stamp_.put(contacts_message_, utime);
-  contacts_message_.count = contacts.count;
-  for (int i = 0; i < contacts.count; ++i) {
-    const sensing::Contact& contact = contacts.contacts[i];
-    contacts_message_.source[i] = static_cast<int>(contact.source);
-    std::copy_n(contact.location.data(), 3, contacts_message_.location[i]);
-    put(contact.wrench.vector(), contacts_message_.wrench[i]);
-    contacts_message_.deviation[i] = contact.force_deviation;
-  }
-  contacts_.publish(contacts_message_);
+  contacts_.publish(pipeline, utime);
 
   const estimation::Estimate& estimate = pipeline.estimate();
   estimate_stamp_.put(estimate_message_, utime);

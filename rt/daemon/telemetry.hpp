@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <palpate/config_t.hpp>
-#include <palpate/contacts_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/joint_velocity_command_t.hpp>
@@ -14,6 +13,7 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/bus/shape_chunks.hpp"
+#include "rt/daemon/contact_telemetry.hpp"
 #include "rt/daemon/discrepancy_telemetry.hpp"
 #include "rt/pipeline/pipeline.hpp"
 #include "rt/registry/object.hpp"
@@ -95,14 +95,12 @@ class Telemetry {
   std::vector<Command<twist_command_t>> commands_;             // by arm
   std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, if modelled
   bool publishes_joints_ = false;
-  bus::HeaderStamper contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
-      mesh_stamp_;
-  bus::TypedPublisher<contacts_t> contacts_;
+  bus::HeaderStamper unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_, mesh_stamp_;
+  ContactTelemetry contacts_;
   bus::TypedPublisher<unknown_contact_t> unknown_;
   bus::TypedPublisher<estimate_t> estimate_;
   bus::TypedPublisher<feature_t> feature_;
 
-  contacts_t contacts_message_{};
   unknown_contact_t unknown_message_{};
   estimate_t estimate_message_{};
   feature_t feature_message_{};

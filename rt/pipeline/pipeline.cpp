@@ -14,6 +14,8 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
     arms_[i].known = by_arm[i]->robot.freshness != Freshness::kNoData;
     find_joints(arms_[i]);
   }
+  obstacle_condition_.apply(obstacles_->update(signals, arms_[0].joints_known));
+  obstacle_condition_.component = obstacles_->late();
   contacts_.count = 0;
   for (ComponentSet::Sensing& instance : components_->sensing) {
     const int first = contacts_.count;
@@ -78,6 +80,7 @@ void Pipeline::estimate(double dt) noexcept {
   inputs.contacts = components.loads.data();
   frames::update_observation(arms_[0].measurements(), inputs.observation);
   const auto is_sound = [this] {
+    place_obstacles();
     ComponentSet& now = *components_;
     UpdateResult result = now.estimator->update(estimation_inputs_, *now.model, now.estimate);
     if (const char* fault = plugin::fault_of(*now.model)) result = {Status::kFault, fault};
@@ -90,6 +93,12 @@ void Pipeline::estimate(double dt) noexcept {
   ComponentSet& now = *components_;
   const bool jumps = now.jump.update(now.model->positions(), dt);
   now.estimate.jumped = jumps || now.estimate.step.restarted;
+}
+
+void Pipeline::place_obstacles() noexcept {
+  const std::vector<collision::Placement>& placements = obstacles_->placements();
+  for (std::size_t i = 0; i < placements.size(); ++i)
+    components_->model->place_obstacle(static_cast<int>(i), placements[i]);
 }
 
 void Pipeline::evaluate_feature() noexcept {
@@ -156,6 +165,7 @@ bool Pipeline::steer(double dt, int first) noexcept {
   inputs.jacobian = &components.jacobian;
   inputs.model = components.model.get();
   inputs.reaction = components.estimate.reaction;
+  inputs.obstacles = &obstacles_->placements();
   inputs.node_deviation = components.estimate.node_deviation;
   for (int i = 0; i < estimation_inputs_.grasp_count; ++i)
     inputs.X_OG[i] = estimation_inputs_.grasps[i].X_OG;
@@ -199,9 +209,10 @@ bool Pipeline::steer(double dt, int first) noexcept {
   return true;
 }
 
-/// The robot must not move with an unreliable shape estimate, nor with a hand without valid force
-/// measurement.
+/// The robot must not move with an unreliable shape estimate, among obstacles at unknown places,
+/// nor with a hand without valid force measurement.
 bool Pipeline::is_trusted() const noexcept {
+  if (obstacle_condition_.state != LifeCycle::kActive) return false;
   for (const ComponentSet::Sensing& instance : components_->sensing) {
     if (instance.condition.state != LifeCycle::kActive) return false;
   }
@@ -295,7 +306,9 @@ control::DiscrepancyAction Pipeline::discrepancy_action() const noexcept {
 
 Condition Pipeline::condition() const noexcept {
   if (!is_running()) return whole_;
-  const Condition worst = components_->worst_of(whole_);
+  Condition worst = components_->worst_of(whole_);
+  if (static_cast<int>(obstacle_condition_.state) > static_cast<int>(worst.state))
+    worst = obstacle_condition_;
   return on_fallback() && worst.state == LifeCycle::kActive
              ? Condition{LifeCycle::kDegraded, fallback_reason_.data()}
              : worst;

@@ -9,6 +9,7 @@
 #include "core/control/safety_gate.hpp"
 #include "core/frames/arm_frames.hpp"
 #include "rt/pipeline/estimate_trust.hpp"
+#include "rt/pipeline/obstacle_motion.hpp"
 #include "rt/pipeline/replacement.hpp"
 
 namespace palpate::pipeline {
@@ -116,6 +117,8 @@ class Pipeline {
   const shape::Feature& feature() const noexcept { return *components_->feature; }
   const FeatureState& feature_state() const noexcept { return components_->feature_state; }
   const Target& target() const noexcept { return components_->target; }
+  /// Where the obstacles of the configuration are.
+  const ObstacleMotion& obstacles() const noexcept { return *obstacles_; }
   /// Contacts in O, for display and estimation.
   const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
 
@@ -144,6 +147,7 @@ class Pipeline {
   void report_fallback(const char* slot, const char* reason) noexcept;
   void check_loads(ComponentSet::Contact& instance, contact::ContactLoads& loads) noexcept;
   bool feature_is_sound() noexcept;
+  void place_obstacles() noexcept;
   void update_markers() noexcept;
   const Eigen::Matrix3Xd& observed_positions() const noexcept;
   bool observe(double dt, int first) noexcept;
@@ -160,6 +164,8 @@ class Pipeline {
   std::vector<std::string> remarks_;
   registry::Context cell_;
   std::vector<Arm> arms_;  // one or two
+  std::unique_ptr<ObstacleMotion> obstacles_;
+  Condition obstacle_condition_;
   std::unique_ptr<ComponentSet> components_;
   Condition whole_;
   std::unique_ptr<Fallbacks> fallbacks_;

@@ -76,10 +76,10 @@ OptionTable<control::MotionLimitOptions> motion_limit_options() {
       .number("strain_margin", "",
               "Margin for estimation errors, as a fraction of the limits of stress and stretch",
               {0, 0.9}, &Options::strain_margin)
-      .number("clearance", "m", "Distance kept from obstacles", {0, 1}, &Options::clearance)
       .number(
           "clearance_deviations", "",
-          "Number of standard deviations of the estimated shape that are added to the clearance",
+          "Number of standard deviations of the estimated shape that are added to the clearance "
+          "of obstacles",
           {0, 10}, &Options::clearance_deviations)
       .number("fallback_deviation", "m",
               "Standard deviation of the shape that is assumed where the estimator reports none",
@@ -128,15 +128,11 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
     limits.workspace_lower = box.lower;
     limits.workspace_upper = box.upper;
   }
-  const auto sphere =
-      OptionTable<control::Obstacle>()
-          .vector3("center", "m", "Centre of a sphere that the object must not touch, in O",
-                   kAnywhere, &control::Obstacle::center_O)
-          .required()
-          .number("radius", "m", "Radius of the sphere", {1e-4, 100}, &control::Obstacle::radius)
-          .required();
-  for (const config::Node& obstacle : node.list({"obstacles", "", "Spheres to be avoided"}))
-    limits.obstacles.push_back(obstacle.read(sphere));
+  for (const char* former : {"obstacles", "clearance"})
+    if (node.has(former))
+      node.fail(former,
+                "is set for each obstacle; allowed: the list obstacles of the configuration, with "
+                "keys clearance, allowed and force");
   return limits;
 }
 
@@ -155,6 +151,8 @@ std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& 
   limited.body = &context.object->body;
   limited.limits = read_motion_limits(
       node.child_or_empty({"limits", "", "Limits that the law quadratic_program enforces"}));
+  for (const ConfiguredObstacle& obstacle : context.object->obstacles)
+    limited.limits.obstacles.push_back(obstacle.limited);
   limited.limits.linear_speed = options.linear_speed;
   limited.limits.angular_speed = options.angular_speed;
   limited.limits.flange[0] = flange_box(context.frames, context.gate[0]);

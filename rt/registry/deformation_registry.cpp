@@ -95,7 +95,8 @@ Model make_corotational(const config::Node& node, const Context& context) {
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;
-  options.contact.obstacles = context.object->obstacles;
+  for (const ConfiguredObstacle& obstacle : context.object->obstacles)
+    options.contact.obstacles.push_back(obstacle.limited.body);
   const loop::SpinTeamOptions team = node.read(team_options());
   if (team.size > 1) options.team = std::make_shared<loop::SpinTeam>(team);
   return std::make_unique<Corotational>(body, options);

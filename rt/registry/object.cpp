@@ -10,7 +10,6 @@
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
 #include "rt/registry/box.hpp"
-#include "rt/registry/obstacles.hpp"
 #include "rt/registry/regions.hpp"
 
 namespace palpate::registry {

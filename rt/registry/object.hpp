@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "core/collision/obstacle.hpp"
 #include "core/elasticity/body.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/registry/frames.hpp"
+#include "rt/registry/obstacles.hpp"
 
 namespace palpate::registry {
 
@@ -16,7 +16,7 @@ struct Object {
   std::int64_t hash = 0;
   elasticity::Body body;
   mesh::Surface surface;
-  std::vector<collision::Obstacle> obstacles;  // which it may touch, in O
+  std::vector<ConfiguredObstacle> obstacles;  // which it may meet, in O
 };
 
 /// Reads `object` and `obstacles`. Where `material_file` (of palpate-fit) has a constant, it

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rt/config/mesh_file.hpp"
+#include "rt/registry/arm_model.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -54,23 +55,116 @@ collision::Shape read_shape(const config::Node& node) {
   return collision::HalfSpace{};
 }
 
+/// Joints of the arm, whose positions ROBOT_STATE reports, in its order.
+kinematics::SerialChain read_arm(const config::Node& obstacle, const config::Node& root) {
+  if (!root.has("robot"))
+    obstacle.fail("link", "needs the arm's joints: section robot with key urdf");
+  const config::Node robot = root.child("robot");
+  try {
+    return read_urdf(robot.path("urdf"), robot.text("flange", "flange"));
+  } catch (const std::invalid_argument& error) {
+    robot.fail("urdf", error.what());
+  }
+}
+
+/// The chain from W to the link. Beyond the flange no joint is reported, so that the hand carries
+/// such a link rigidly: `is_of_hand`.
+kinematics::SerialChain read_link(const config::Node& obstacle, const config::Node& root,
+                                  bool& is_of_hand) {
+  const kinematics::SerialChain arm = read_arm(obstacle, root);
+  const std::string name =
+      obstacle.text({"link", "",
+                     "Link of the URDF (robot.urdf) that carries the obstacle, of the arm or "
+                     "rigid with its flange; absent: it is fixed in W or moved by messages"});
+  try {
+    kinematics::SerialChain link = read_urdf(root.child("robot").path("urdf"), name);
+    for (int i = 0; i < link.joint_count(); ++i) {
+      if (i >= arm.joint_count() || link.joint(i).name != arm.joint(i).name)
+        obstacle.fail("link", name + ": its position depends on joint " + link.joint(i).name +
+                                  ", which is not one of the arm's joints up to the flange");
+    }
+    is_of_hand = link.joint_count() == arm.joint_count();
+    return link;
+  } catch (const std::invalid_argument& error) {
+    obstacle.fail("link", error.what());
+  }
+}
+
+ObstacleCarrier read_carrier(const config::Node& node, const config::Node& root,
+                             const math::Pose& X_WO, collision::Obstacle& body) {
+  using Kind = ObstacleCarrier::Kind;
+  ObstacleCarrier carrier;
+  const bool is_moved =
+      node.flag({"moved", "", "Whether messages on WORLD_STATE move the obstacle"}, false);
+  if (is_moved && node.has("link"))
+    node.fail("moved", "an obstacle is carried by a link or moved by messages, not both");
+  carrier.X_AB = node.pose({"pose", "m",
+                            "Pose of the shape's frame in W, or in the link; of one that messages "
+                            "move: until the first of them, absent: it is not there yet"});
+  if (node.has("link")) {
+    carrier.kind = Kind::kLink;
+    bool is_of_hand = false;
+    carrier.link = read_link(node, root, is_of_hand);
+    if (is_of_hand) body.hand = 0;
+    body.is_known = false;
+    return carrier;
+  }
+  if (is_moved) {
+    carrier.kind = Kind::kMessages;
+    carrier.timeout =
+        1e-3 * node.number({"timeout_ms", "ms",
+                            "Time without a message on WORLD_STATE for a moved obstacle after "
+                            "which it counts as at rest and the daemon as degraded"},
+                           {1, 1e5}, 1e3 * carrier.timeout);
+    body.is_known = node.has("pose");
+  }
+  body.X_OB = X_WO.inverse() * carrier.X_AB;
+  return carrier;
+}
+
+void read_limits(const config::Node& node, control::LimitedObstacle& limited) {
+  limited.may_touch =
+      node.choice({"allowed", "",
+                   "Whether the law quadratic_program may let the object touch the obstacle; "
+                   "otherwise it keeps the clearance"},
+                  {"none", "contact"}, "none") == "contact";
+  if (limited.may_touch && node.has("clearance"))
+    node.fail("clearance", "is not kept where contact is allowed");
+  if (!limited.may_touch)
+    limited.clearance = node.number(
+        {"clearance", "m", "Distance from the object that the law quadratic_program keeps"}, {0, 1},
+        limited.clearance);
+  if (node.has("force"))
+    limited.force = node.number({"force", "N",
+                                 "Largest sum of the normal forces that the law quadratic_program "
+                                 "lets the object exert on the obstacle; absent: no limit"},
+                                {1e-3, 1e4});
+}
+
 }  // namespace
 
-std::vector<collision::Obstacle> read_obstacles(const config::Node& root, const math::Pose& X_WO) {
-  std::vector<collision::Obstacle> obstacles;
+std::vector<ConfiguredObstacle> read_obstacles(const config::Node& root, const math::Pose& X_WO) {
+  std::vector<ConfiguredObstacle> obstacles;
   for (const config::Node& node :
-       root.list({"obstacles", "", "Rigid bodies at rest that the object may touch"})) {
-    collision::Obstacle obstacle;
-    obstacle.name = node.text({"name", "", "Name of the obstacle, unlike any other"});
-    const auto has_same_name = [&](const auto& other) { return other.name == obstacle.name; };
+       root.list({"obstacles", "", "Rigid bodies that the object may meet, at most 8"})) {
+    if (obstacles.size() == collision::kMostObstacles)
+      root.fail("obstacles", "has more than 8 entries; allowed: at most 8");
+    ConfiguredObstacle& obstacle = obstacles.emplace_back();
+    collision::Obstacle& body = obstacle.limited.body;
+    body.name = node.text({"name", "", "Name of the obstacle, unlike any other"});
+    if (body.name.empty() || body.name.size() > kLongestObstacleName)
+      node.fail("name", "must have 1 to 23 characters");
+    const auto has_same_name = [&](const auto& other) {
+      return &other != &obstacle && other.limited.body.name == body.name;
+    };
     if (std::any_of(obstacles.begin(), obstacles.end(), has_same_name))
       node.fail("name", "is that of another obstacle; allowed: any other name");
-    obstacle.shape = read_shape(node);
-    obstacle.X_OB = X_WO.inverse() * node.pose({"pose", "m", "Pose of the shape's frame in W"});
-    obstacle.friction = node.number(
+    body.shape = read_shape(node);
+    obstacle.carrier = read_carrier(node, root, X_WO, body);
+    body.friction = node.number(
         {"friction", "", "Coulomb friction coefficient between the obstacle and the object"},
-        {0, 10}, obstacle.friction);
-    obstacles.push_back(std::move(obstacle));
+        {0, 10}, body.friction);
+    read_limits(node, obstacle.limited);
   }
   return obstacles;
 }

@@ -8,6 +8,7 @@
 #include "tools/common/base64.hpp"
 #include "tools/export/element_gradients.hpp"
 #include "tools/export/json_schema.hpp"
+#include "tools/export/predicted_contact.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -219,10 +220,15 @@ std::string estimate_scene(const Instant& instant, double largest) {
                                  {"color", colour_of({1, 1, 1, 1})},
                                  {"colors", colours},
                                  {"indices", indices}});
-  if (instant.contacts)
+  if (instant.contacts) {
     for (int i = 0; i < std::min(instant.contacts->count, 8); ++i)
       add_arrow(entity, instant.contacts->location[i], instant.contacts->wrench[i],
                 {0.9F, 0.35F, 0.05F, 1});
+    for (int i = 0; i < predicted_count(*instant.contacts); ++i) {
+      const PredictedContact contact = predicted_contact(*instant.contacts, i);
+      add_arrow(entity, contact.place.data(), contact.force.data(), {0.1F, 0.6F, 0.6F, 1});
+    }
+  }
   if (instant.estimated)
     add_arrow(entity, instant.estimated->unknown_contact_location,
               instant.estimated->unknown_contact_force, {0.55F, 0.15F, 0.75F, 1});

@@ -10,6 +10,7 @@
 #include "rt/registry/frames.hpp"
 #include "sim/draw/annotate.hpp"
 #include "tools/common/table.hpp"
+#include "tools/export/predicted_contact.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -29,6 +30,7 @@ const Colour kRest{0.45F, 0.48F, 0.52F, 0.16F};
 const Colour kRestEdge{0.45F, 0.48F, 0.52F, 0.45F};
 const Colour kClamp{0.35F, 0.37F, 0.40F, 1};
 const Colour kForce{0.90F, 0.35F, 0.05F, 1};
+const Colour kPredictedForce{0.10F, 0.60F, 0.60F, 1};
 const Colour kTrueForce{0.60F, 0.07F, 0.07F, 1};
 const Colour kUnknownForce{0.55F, 0.15F, 0.75F, 1};
 const Colour kTarget{0.80F, 0.05F, 0.45F, 1};
@@ -246,10 +248,15 @@ void SceneDrawing::draw_arrow(const Eigen::Vector3d& at_O, const Eigen::Vector3d
 }
 
 void SceneDrawing::draw_forces(const Instant& instant) {
-  if (instant.contacts)
+  if (instant.contacts) {
     for (int i = 0; i < std::min(instant.contacts->count, 8); ++i)
       draw_arrow(Eigen::Map<const Eigen::Vector3d>(instant.contacts->location[i]),
                  Eigen::Map<const Eigen::Vector3d>(instant.contacts->wrench[i]), kForce);
+    for (int i = 0; i < predicted_count(*instant.contacts); ++i) {
+      const PredictedContact contact = predicted_contact(*instant.contacts, i);
+      draw_arrow(contact.place, contact.force, kPredictedForce);
+    }
+  }
   if (instant.estimated)
     draw_arrow(Eigen::Map<const Eigen::Vector3d>(instant.estimated->unknown_contact_location),
                Eigen::Map<const Eigen::Vector3d>(instant.estimated->unknown_contact_force),

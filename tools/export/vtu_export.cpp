@@ -7,6 +7,7 @@
 #include "tools/common/table.hpp"
 #include "tools/common/vtu_writer.hpp"
 #include "tools/export/output_file.hpp"
+#include "tools/export/predicted_contact.hpp"
 #include "tools/log/record.hpp"
 
 namespace palpate::exporting {
@@ -127,10 +128,15 @@ class ForceGrid {
 
 Grid force_grid(const Instant& instant) {
   ForceGrid forces;
-  if (instant.contacts)
+  if (instant.contacts) {
     for (int i = 0; i < std::min(instant.contacts->count, 8); ++i)
       forces.add(instant.contacts->location[i], instant.contacts->wrench[i],
                  instant.contacts->wrench[i] + 3, 0, i);
+    for (int i = 0; i < predicted_count(*instant.contacts); ++i) {
+      const PredictedContact contact = predicted_contact(*instant.contacts, i);
+      forces.add(contact.place.data(), contact.force.data(), nullptr, 4, i);
+    }
+  }
   if (instant.estimated) {
     for (int i = 0; i < std::min(instant.estimated->grasp_count, 2); ++i)
       forces.add(instant.estimated->grasp_position[i], instant.estimated->reaction[i],

@@ -16,7 +16,8 @@ namespace palpate::exporting {
 ///   equivalent_strain, stress (Cauchy, same order), von_mises_stress.
 /// - truth: the same without deviations; stress and force if its stiffness is given.
 /// - forces: points of application of contacts, grasps and unknown contacts: force, torque, kind (0
-///   contact, 1 grasp as estimated, 2 unknown contact, 3 true grasp), number.
+///   contact, 1 grasp as estimated, 2 unknown contact, 3 true grasp, 4 contact with
+///   an obstacle as predicted), number.
 ///
 /// Fields that the log does not provide are omitted in every file of a series. Throws
 /// std::runtime_error.

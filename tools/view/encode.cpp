@@ -102,6 +102,23 @@ json to_json(const contacts_t& contacts) {
   return list;
 }
 
+json predicted_json(const contacts_t& contacts) {
+  json sums = json::array(), points = json::array();
+  for (int o = 0; o < contacts.obstacle_count; ++o)
+    sums.push_back({{"obstacle", bus::get_text(contacts.obstacle_name[o])},
+                    {"force", number(contacts.obstacle_force[o])}});
+  for (int i = 0; i < contacts.predicted_count; ++i) {
+    float force[3];
+    for (int k = 0; k < 3; ++k)
+      force[k] = contacts.predicted_force[i] * contacts.predicted_normal[i][k] +
+                 contacts.predicted_friction[i][k];
+    points.push_back({{"at", numbers(contacts.predicted_place[i], 3)},
+                      {"force", numbers(force, 3)},
+                      {"slips", contacts.predicted_slips[i] != 0}});
+  }
+  return {{"sum", sums}, {"points", points}};
+}
+
 json to_json(const discrepancy_t& d) {
   json explanations = json::array(), wrenches = json::array();
   for (int i = 0; i < common::explanation_count(d); ++i)

@@ -40,6 +40,9 @@ std::string encode_mesh(const char* role, const shape_mesh_t& mesh);
 /// Messages in the form that the page reads. Numbers that are not finite become null.
 nlohmann::json to_json(const biotac_t& fingertip);
 nlohmann::json to_json(const contacts_t& contacts);
+/// Those that the model predicts: {sum: [{obstacle, force}], points: [{at, force, slips}]}, the
+/// first by obstacle with its normal force, the second with vectors of force.
+nlohmann::json predicted_json(const contacts_t& contacts);
 nlohmann::json to_json(const discrepancy_t& discrepancy);
 nlohmann::json to_json(const estimate_t& estimate);
 nlohmann::json to_json(const feature_t& feature);

@@ -16,7 +16,14 @@ bool all_finite(const Numbers& numbers) {
                      [](auto x) { return std::isfinite(x) && std::fabs(x) < 1e9; });
 }
 
-bool is_sound(const contacts_t& m) { return m.count >= 0 && m.count <= 8; }
+bool is_sound(const contacts_t& m) {
+  if (m.count < 0 || m.count > contacts_t::MOST || m.obstacle_count < 0 ||
+      m.obstacle_count > contacts_t::MOST_OBSTACLES || m.predicted_count < 0 ||
+      m.predicted_count > contacts_t::MOST_PREDICTED)
+    return false;
+  return std::all_of(m.predicted_obstacle, m.predicted_obstacle + m.predicted_count,
+                     [&](int obstacle) { return obstacle >= 0 && obstacle < m.obstacle_count; });
+}
 bool is_sound(const estimate_t& m) { return m.grasp_count >= 0 && m.grasp_count <= 2; }
 bool is_sound(const discrepancy_t& m) {
   return m.grasp_count >= 0 && m.grasp_count <= 2 && m.cause_count >= 0 &&

@@ -286,8 +286,10 @@ json Viewer::state(bool with_health, std::int64_t now_us) const {
                      {"deviations", shape->deviation_count > 0},
                      {"delay_ms", static_cast<double>(scene_.shape.time_us - shape->utime) * 1e-3}};
   constexpr double kShown = 300;  // ms, low-pass filtered
-  if (const auto* m = scene_.contacts.get(); m && age(scene_.contacts) < kShown)
+  if (const auto* m = scene_.contacts.get(); m && age(scene_.contacts) < kShown) {
     head["contacts"] = to_json(*m);
+    if (m->obstacle_count > 0) head["predicted"] = predicted_json(*m);
+  }
   if (const auto* m = scene_.estimate.get()) head["estimate"] = to_json(*m);
   if (const auto* m = scene_.discrepancy.get(); m && m->test >= 0 && age(scene_.discrepancy) < kOld)
     head["discrepancy"] = to_json(*m);

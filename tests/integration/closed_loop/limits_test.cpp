@@ -173,13 +173,13 @@ double distance_to_plant(Way& way, const Vector3d& from) {
 // the filter's own standard deviation, or a configured one for other estimators: without either the
 // clearance is 1.2 and 4.0 mm.
 TEST_P(ObstacleWay, TheBarKeepsAwayFromTheBall) {
-  const Vector3d center(0.32, 0.03, 0.115);
+  const Vector3d center(0.32, 0.03, 0.115);  // in O
   constexpr double kRadius = 0.03, kClearance = 0.005;
   const auto& [estimator, walled] = GetParam();
   std::vector<std::string> overrides{
-      "estimation.component=" + estimator,
-      "control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
-      "0.03}]}"};
+      "estimation.component=" + estimator, "control.limits={damper: 5}",
+      "obstacles=[{name: ball, shape: sphere, radius: 0.03, clearance: 0.005, pose: {position: "
+      "[1.04, 0, 0.395]}}]"};
   if (walled)
     overrides.push_back("gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}");
   Way way(overrides);

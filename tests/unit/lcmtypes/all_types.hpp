@@ -5,6 +5,7 @@
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
+#include <palpate/contacts_v1_t.hpp>
 #include <palpate/discrepancy_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
@@ -30,6 +31,7 @@
 #include <palpate/truth_touch_t.hpp>
 #include <palpate/twist_command_t.hpp>
 #include <palpate/unknown_contact_t.hpp>
+#include <palpate/world_state_t.hpp>
 
 namespace palpate {
 
@@ -42,6 +44,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(component_event_t{});
   visit(config_t{});
   visit(contacts_t{});
+  visit(contacts_v1_t{});
   visit(discrepancy_t{});
   visit(estimate_t{});
   visit(feature_t{});
@@ -62,6 +65,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(truth_touch_t{});
   visit(twist_command_t{});
   visit(unknown_contact_t{});
+  visit(world_state_t{});
 }
 
 /// Same for the types that hold variable-length arrays, which only the daemon sends.

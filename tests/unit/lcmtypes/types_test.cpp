@@ -22,7 +22,8 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"component_command_t", 0xfed930ff6db67de2},
     {"component_event_t", 0x1ee90f753de22690},
     {"config_t", 0x2528ab9c6b131a90},
-    {"contacts_t", 0x583cf81eabffd830},
+    {"contacts_t", 0x049a5f46ba4c06f3},
+    {"contacts_v1_t", 0x583cf81eabffd830},
     {"discrepancy_t", 0x5aa5cdf84dff8d46},
     {"estimate_t", 0x90fa6341cc59c8f8},
     {"feature_t", 0xf23c7d64d85a9291},
@@ -48,6 +49,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"truth_touch_t", 0x740489c96fb161f2},
     {"twist_command_t", 0xd5e7535877b658a3},
     {"unknown_contact_t", 0xad5d9e013dad9d74},
+    {"world_state_t", 0x92edbc9bf54da07e},
 };
 
 std::map<std::string, std::uint64_t> generated_fingerprints() {

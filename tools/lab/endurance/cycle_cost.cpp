@@ -25,11 +25,14 @@ constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft_limits.
 /// About 150, 300, 500 and 700 nodes of the long bar.
 constexpr const char* kMeshes[] = {"[8, 1, 1]", "[16, 1, 1]", "[16, 2, 1]", "[13, 2, 2]"};
 
-/// All available obstacles, close enough to be evaluated and mostly not restricting the motion.
+/// All available limits, and an obstacle, close enough to be evaluated and mostly not restricting
+/// the motion.
 constexpr const char* kLimits =
     "control.limits={stress: 6000, stretch: 1.3, force: 20, torque: 5, slip: {pinch: 30, friction: "
     "0.5, lever: 0.02, width: 0.06, normal: [0, 1, 0]}, workspace: {lower: [0, -0.5, -0.5], upper: "
-    "[1, 0.5, 0.5]}, obstacles: [{center: [0.32, 0.03, 0.14], radius: 0.03}]}";
+    "[1, 0.5, 0.5]}}";
+constexpr const char* kObstacles =
+    "obstacles=[{name: ball, shape: sphere, radius: 0.03, pose: {position: [1.04, 0, 0.42]}}]";
 
 std::int64_t processor_time_ns() {
   timespec now{};
@@ -167,7 +170,8 @@ int run_cycle_cost(const CycleCostOptions& options, std::ostream& out) {
   std::int64_t allocations = 0;
   for (const char* mesh : kMeshes) {
     std::vector<std::string> overrides{std::string("object.mesh.box.cells=") + mesh,
-                                       "estimation={component: pose_wrench_filter}", kLimits};
+                                       "estimation={component: pose_wrench_filter}", kLimits,
+                                       kObstacles};
     overrides.insert(overrides.end(), options.overrides.begin(), options.overrides.end());
     const CycleCost cost =
         measure_cycle_cost(options.root / kConfiguration, overrides, options.cycles);

@@ -39,7 +39,10 @@ bool all_finite(const Fields&... fields) {
 }
 
 bool all_finite_in(const twist_command_t& m) { return all_finite(m.twist); }
-bool all_finite_in(const contacts_t& m) { return all_finite(m.location, m.wrench, m.deviation); }
+bool all_finite_in(const contacts_t& m) {
+  return all_finite(m.location, m.wrench, m.deviation, m.obstacle_force, m.predicted_place,
+                    m.predicted_normal, m.predicted_force, m.predicted_friction);
+}
 bool all_finite_in(const estimate_t& m) {
   return all_finite(m.grasp_position, m.grasp_quaternion, m.grasp_deviation, m.reaction,
                     m.reaction_deviation, m.bias, m.bias_deviation, m.log_young_modulus,

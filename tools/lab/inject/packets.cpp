@@ -13,6 +13,7 @@
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/sim_tick_t.hpp>
+#include <palpate/world_state_t.hpp>
 #include <stdexcept>
 
 namespace palpate::inject {
@@ -75,6 +76,7 @@ std::vector<Target> usual_targets() {
           target<hand_state_t>(channel::kHandState),
           target<manual_force_t>(channel::kManualForce),
           target<biotac_t>(channel::kBiotac0),
+          target<world_state_t>(channel::kWorldState),
           target<component_command_t>(channel::kComponentCommand),
           target<shape_target_t>(channel::kShapeTarget),
           target<sim_tick_t>(channel::kSimTick),

@@ -61,6 +61,8 @@ export class Arrows {
     if (shown) {
       for (const contact of frame.contacts || [])
         if (contact.source !== BY_HAND) this.add(contact.at, contact.wrench, colourOfSource(contact.source));
+      for (const contact of frame.predicted ? frame.predicted.points : [])
+        this.add(contact.at, contact.force, COLOURS.predicted, {thick: 0.6});
       const estimate = frame.estimate;
       if (estimate) {
         for (const grasp of estimate.grasps)

@@ -216,6 +216,7 @@ function showKey() {
   if (layers.estimate && frame.x) parts.push(['linear-gradient(90deg,#440154,#21918c,#fde725)', 'estimate']);
   if (layers.truth && frame.truth_x) parts.push([COLOURS.truth, 'true shape']);
   if (layers.forces && (frame.contacts || []).length) parts.push(['#4cc2ff', 'measured force, 1 N = 30 mm']);
+  if (layers.forces && frame.predicted && frame.predicted.points.length) parts.push([COLOURS.predicted, 'predicted contact']);
   if (layers.forces && frame.estimate && frame.estimate.grasps.length) parts.push([COLOURS.reaction, 'force of the model']);
   if (layers.feature && frame.feature && placesOf(frame.feature.kind, frame.feature.value).length) {
     parts.push([COLOURS.feature, 'feature']);
@@ -270,8 +271,8 @@ function pushes() {
 
 /** Whether anything except the shapes has changed since the last image: arrows, marks, robots, layers. */
 function othersDiffer() {
-  const {links, links_1, seen: points, contacts, truth_contacts, estimate: grasps, feature, push} = frame;
-  const text = JSON.stringify([links && [...links], links_1 && [...links_1], contacts, truth_contacts, grasps, push, pointer.pull,
+  const {links, links_1, seen: points, contacts, predicted, truth_contacts, estimate: grasps, feature, push} = frame;
+  const text = JSON.stringify([links && [...links], links_1 && [...links_1], contacts, predicted, truth_contacts, grasps, push, pointer.pull,
     pointer.dragged, pointer.picked, feature && [feature.value, feature.target, feature.revision], points && [...points.slice(0, 30)],
     layers, estimate.group.visible, truth.group.visible, size]);
   const differ = text !== othersDrawn;

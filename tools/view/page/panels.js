@@ -1,6 +1,6 @@
 // Numbers, health and events at the side.
 
-import {colourOfSource, nameOfSource} from './colours.js';
+import {COLOURS, colourOfSource, nameOfSource} from './colours.js';
 
 const byId = (id) => document.getElementById(id);
 const STATES = ['unconfigured', 'inactive', 'active', 'degraded', 'faulted', 'finalized'];
@@ -115,6 +115,12 @@ export class Panels {
       for (const grasp of estimate.grasps)
         contacts.push([{text: 'grasp, as the model has it', dot: '#8fb7d9'}, `${fixed(Math.hypot(...grasp.wrench.slice(0, 3)), 3)} N`,
                        `${fixed(1e3 * Math.hypot(...grasp.wrench.slice(3)), 1)} mN m`]);
+    }
+    if (frame.predicted) {
+      const {sum, points} = frame.predicted, sliding = points.filter((point) => point.slips).length;
+      for (const {obstacle, force} of sum)
+        contacts.push([{text: `${obstacle}, predicted`, dot: COLOURS.predicted}, `${fixed(force, 3)} N`, '']);
+      if (points.length) contacts.push(['points in contact, of these sliding', `${points.length}`, `${sliding}`]);
     }
     for (const grasp of frame.truth_contacts || [])
       contacts.push([{text: 'grasp, true', dot: '#f0a83c'}, `${fixed(Math.hypot(...grasp.wrench.slice(0, 3)), 3)} N`,

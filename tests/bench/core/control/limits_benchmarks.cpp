@@ -74,7 +74,10 @@ void law(benchmark::State& state) {
   if (state.range(1) & 2) {
     limited.limits.force = 1;
     limited.limits.slip.pinch = 1;
-    limited.limits.obstacles.assign(4, {{0.2, 0.03, 0.14}, 0.04});
+    control::LimitedObstacle ball;
+    ball.body.shape = collision::Sphere{0.04};
+    ball.body.X_OB.translation() << 0.2, 0.03, 0.14;
+    limited.limits.obstacles.assign(4, ball);
   }
   control::QuadraticProgramLaw law(options, limited);
   law.configure_for(feature);

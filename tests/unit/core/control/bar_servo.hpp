@@ -26,7 +26,7 @@ class BarServo : public ::testing::Test {
   void start(ControlLaw& law, const Eigen::Vector3d& target_offset) {
     body_ = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     body_.gravity_O.setZero();
-    model_ = std::make_unique<elasticity::CorotationalQuasistatic>(body_);
+    model_ = std::make_unique<elasticity::CorotationalQuasistatic>(body_, options_);
     model_->prepare();
     feature_ = std::make_unique<shape::PointFeature>(
         body_.mesh, shape::PointFeature::Options{{Eigen::Vector3d(0.25, 0.03, 0.06)}});
@@ -61,6 +61,7 @@ class BarServo : public ::testing::Test {
     inputs.model = model_.get();
     inputs.X_OG[0] = X_OG_;
     inputs.reaction[0] = model_->reaction(0);
+    if (!placements_.empty()) inputs.obstacles = &placements_;
     if (!node_deviation_.empty()) inputs.node_deviation = &node_deviation_;
     return inputs;
   }
@@ -79,6 +80,7 @@ class BarServo : public ::testing::Test {
 
   static constexpr double kPeriod = 5e-3;  // s
   elasticity::Body body_;
+  elasticity::SolverOptions options_;
   std::unique_ptr<elasticity::CorotationalQuasistatic> model_;
   std::unique_ptr<shape::PointFeature> feature_;
   FemJacobian provider_{FemJacobian::Options{}};
@@ -87,7 +89,8 @@ class BarServo : public ::testing::Test {
   Eigen::MatrixXd jacobian_;
   LawOutput output_;
   math::Pose X_OG_;
-  std::vector<float> node_deviation_;  // m; empty: not provided
+  std::vector<collision::Placement> placements_;  // of obstacles; empty: as in the limits
+  std::vector<float> node_deviation_;             // m; empty: not provided
 };
 
 }  // namespace palpate::control

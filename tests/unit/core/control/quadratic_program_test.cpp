@@ -155,7 +155,11 @@ TEST_F(BarServo, AllocatesNothingWithEveryLimit) {
   limited.limits.stretch = 1.02;
   limited.limits.force = 1;
   limited.limits.slip.pinch = 1;
-  limited.limits.obstacles.assign(4, {{0.2, 0.03, 0.14}, 0.04});
+  LimitedObstacle ball;
+  ball.body.shape = collision::Sphere{0.04};
+  ball.body.X_OB.translation() << 0.2, 0.03, 0.14;
+  ball.force = 1;
+  limited.limits.obstacles.assign(collision::kMostObstacles, ball);
   limited.smoothness = 1e-3;
   QuadraticProgramLaw law(servo(), limited);
   start(law, {0, 0.01, 0.03});
@@ -190,9 +194,21 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
                  l.limits.flange[0] = {Vector3d::Zero(), Vector3d::Zero()};
                }),
                std::invalid_argument);
-  EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(5); }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(9); }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(1); }), std::invalid_argument)
       << "no object";
+  const auto with_obstacle = [&](auto change) {
+    make([&](L& l) {
+      l.limits.obstacles.resize(1);
+      l.limits.obstacles[0].may_touch = true;
+      change(l.limits.obstacles[0]);
+    });
+  };
+  EXPECT_NO_THROW(with_obstacle([](LimitedObstacle&) {}));
+  EXPECT_THROW(with_obstacle([](LimitedObstacle& o) { o.force = 0; }), std::invalid_argument);
+  EXPECT_THROW(with_obstacle([](LimitedObstacle& o) { o.clearance = -1; }), std::invalid_argument);
+  EXPECT_THROW(with_obstacle([](LimitedObstacle& o) { o.body.shape = collision::Sphere{0}; }),
+               std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.clearance_deviations = -1; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.fallback_deviation = -1; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.grasps = {0, 1}; }), std::invalid_argument);

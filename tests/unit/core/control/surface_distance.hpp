@@ -7,11 +7,13 @@
 
 namespace palpate::support {
 
-/// From `p` to the curved surface, by many points of each face: an upper bound.
-inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
-                                  const Eigen::Vector3d& p) {
+/// Least value(point) over many points of each face of the curved surface: an upper bound of the
+/// minimum.
+template <class Value>
+double least_on_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
+                        const Value& value) {
   constexpr int kParts = 16;
-  double squared = 1e300;
+  double least = 1e300;
   for (const std::vector<int>& nodes : surface.triangle_nodes) {
     for (int i = 0; i <= kParts; ++i) {
       for (int j = 0; i + j <= kParts; ++j) {
@@ -22,11 +24,17 @@ inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Mat
           q = a * (2 * a - 1) * x.col(nodes[0]) + b * (2 * b - 1) * x.col(nodes[1]) +
               c * (2 * c - 1) * x.col(nodes[2]) + 4 * a * b * x.col(nodes[3]) +
               4 * b * c * x.col(nodes[4]) + 4 * c * a * x.col(nodes[5]);
-        squared = std::min(squared, (q - p).squaredNorm());
+        least = std::min(least, value(q));
       }
     }
   }
-  return std::sqrt(squared);
+  return least;
+}
+
+/// From `p` to the curved surface: an upper bound.
+inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
+                                  const Eigen::Vector3d& p) {
+  return least_on_surface(surface, x, [&](const Eigen::Vector3d& q) { return (q - p).norm(); });
 }
 
 }  // namespace palpate::support

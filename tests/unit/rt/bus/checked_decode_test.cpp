@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <palpate/contacts_v1_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/health_v1_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -109,6 +110,18 @@ void expect_list(const List& list, std::int32_t count, const List& expected) {
   EXPECT_EQ(count, static_cast<std::int32_t>(expected.size()));
 }
 
+contacts_v1_t former_contacts() {
+  auto former = stamped<contacts_v1_t>();
+  former.count = 8;
+  for (int i = 0; i < 8; ++i) {
+    former.source[i] = i;
+    former.location[i][2] = 10 + i;
+    former.wrench[i][5] = 20 + i;
+    former.deviation[i] = 30 + i;
+  }
+  return former;
+}
+
 health_v1_t former_health() {
   auto former = stamped<health_v1_t>();
   former.cycles = 7;
@@ -144,6 +157,22 @@ shape_mesh_v1_t former_mesh() {
   put(former.triangles, former.triangle_index_count, {0, 2, 1});
   put(former.constrained, former.constrained_count, {3});
   return former;
+}
+
+TEST(FormerTypes, ContactsAreReadWithoutPredictedOnes) {
+  contacts_t contacts;
+  contacts.predicted_count = 3;
+  ASSERT_TRUE(decodes(encoded(former_contacts()), contacts));
+  expect_stamped(contacts);
+  EXPECT_EQ(contacts.count, 8);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(contacts.source[i], i);
+    EXPECT_EQ(contacts.location[i][2], 10 + i);
+    EXPECT_EQ(contacts.wrench[i][5], 20 + i);
+    EXPECT_EQ(contacts.deviation[i], 30 + i);
+  }
+  EXPECT_EQ(contacts.predicted_count, 0);
+  EXPECT_EQ(contacts.obstacle_count, 0);
 }
 
 TEST(FormerTypes, HealthIsReadUnderItsNewNames) {

@@ -46,11 +46,11 @@ class InputsTest : public ::testing::Test {
 
 TEST_F(InputsTest, ASecondArmAddsItsChannels) {
   const Inputs one(*bus_), two(*bus_, 2);
-  EXPECT_EQ(one.channel_count(), 11);
-  ASSERT_EQ(two.channel_count(), 15);
+  EXPECT_EQ(one.channel_count(), 12);
+  ASSERT_EQ(two.channel_count(), 16);
   std::set<std::string> names;
   for (int i = 0; i < two.channel_count(); ++i) names.insert(two.report(i).name);
-  EXPECT_EQ(names.size(), 15u) << "each once";
+  EXPECT_EQ(names.size(), 16u) << "each once";
   for (const char* name : {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"})
     EXPECT_EQ(names.count(name), 1u) << name;
 }

@@ -2,8 +2,10 @@
 
 #include "rt/registry/obstacles.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "core/elasticity/corotational_model.hpp"
@@ -12,13 +14,24 @@
 namespace palpate::registry {
 namespace {
 
-std::vector<collision::Obstacle> read(const std::string& list,
-                                      const math::Pose& X_WO = math::Pose::Identity()) {
-  const config::Node root = config::Node::from_text("obstacles:\n" + list, "cell.yaml");
-  std::vector<collision::Obstacle> obstacles = read_obstacles(root, X_WO);
+std::vector<ConfiguredObstacle> read_all(const std::string& text,
+                                         const math::Pose& X_WO = math::Pose::Identity()) {
+  const config::Node root = config::Node::from_text(text, "cell.yaml");
+  std::vector<ConfiguredObstacle> obstacles = read_obstacles(root, X_WO);
+  if (root.has("robot")) read_arm_model(root);
   root.check_all_used();
   return obstacles;
 }
+
+std::vector<collision::Obstacle> read(const std::string& list,
+                                      const math::Pose& X_WO = math::Pose::Identity()) {
+  std::vector<collision::Obstacle> bodies;
+  for (const ConfiguredObstacle& obstacle : read_all("obstacles:\n" + list, X_WO))
+    bodies.push_back(obstacle.limited.body);
+  return bodies;
+}
+
+const char* const kArm = "robot: {urdf: " PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf}\n";
 
 TEST(Obstacles, EachShapeIsReadAndPlacedInO) {
   const math::Pose X_WO = math::make_pose(math::exp_rotation({0, 0, M_PI}), {1.36, 0.03, 0.28});
@@ -74,6 +87,71 @@ TEST(Obstacles, FaultsAreNamed) {
   expect_error("  - {name: a, shape: half_space}\n  - {name: a, shape: half_space}\n",
                "another obstacle");
   expect_error("  - {name: a, shape: mesh, file: missing.stl}\n", "missing.stl");
+  expect_error("  - {name: a_name_of_24_characters_, shape: half_space}\n", "23 characters");
+  std::string nine;
+  for (const char letter : std::string("abcdefghi"))
+    nine += std::string("  - {name: ") + letter + ", shape: half_space}\n";
+  expect_error(nine, "at most 8");
+}
+
+TEST(Obstacles, HaveLimitsOfTheirOwn) {
+  const auto obstacles = read_all(
+      "obstacles:\n"
+      "  - {name: default, shape: half_space}\n"
+      "  - {name: near, shape: half_space, clearance: 0.001}\n"
+      "  - {name: table, shape: half_space, allowed: contact, force: 3}\n");
+  EXPECT_FALSE(obstacles[0].limited.may_touch);
+  EXPECT_EQ(obstacles[0].limited.clearance, 0.005);
+  EXPECT_TRUE(std::isinf(obstacles[0].limited.force));
+  EXPECT_EQ(obstacles[1].limited.clearance, 0.001);
+  EXPECT_TRUE(obstacles[2].limited.may_touch);
+  EXPECT_EQ(obstacles[2].limited.force, 3);
+  expect_error("  - {name: a, shape: half_space, allowed: contact, clearance: 0.1}\n",
+               "where contact is allowed");
+  expect_error("  - {name: a, shape: half_space, allowed: some}\n", "contact");
+  expect_error("  - {name: a, shape: half_space, force: 0}\n", "force");
+}
+
+TEST(Obstacles, AreCarriedByLinksOrMovedByMessages) {
+  const auto obstacles =
+      read_all(kArm + std::string("obstacles:\n"
+                                  "  - {name: elbow, shape: sphere, radius: 0.1, link: link_4}\n"
+                                  "  - {name: palm, shape: sphere, radius: 0.05, link: hand,\n"
+                                  "     pose: {position: [0, 0, 0.1]}}\n"
+                                  "  - {name: lid, shape: sphere, radius: 0.1, moved: true}\n"
+                                  "  - {name: tray, shape: sphere, radius: 0.1, moved: true,\n"
+                                  "     timeout_ms: 250, pose: {position: [0, 0, 1]}}\n"));
+  using Kind = ObstacleCarrier::Kind;
+  EXPECT_EQ(obstacles[0].carrier.kind, Kind::kLink);
+  EXPECT_EQ(obstacles[0].carrier.link->joint_count(), 4);
+  EXPECT_EQ(obstacles[0].limited.body.hand, -1);
+  EXPECT_FALSE(obstacles[0].limited.body.is_known);
+  EXPECT_EQ(obstacles[1].carrier.link->joint_count(), 7);
+  EXPECT_EQ(obstacles[1].carrier.X_AB.translation().z(), 0.1);
+  EXPECT_EQ(obstacles[1].limited.body.hand, 0) << "beyond the flange";
+  EXPECT_EQ(obstacles[2].carrier.kind, Kind::kMessages);
+  EXPECT_EQ(obstacles[2].carrier.timeout, 0.1);
+  EXPECT_FALSE(obstacles[2].limited.body.is_known);
+  EXPECT_EQ(obstacles[3].carrier.timeout, 0.25);
+  EXPECT_TRUE(obstacles[3].limited.body.is_known);
+  EXPECT_EQ(obstacles[3].limited.body.X_OB.translation().z(), 1);
+}
+
+TEST(Obstacles, FaultsOfTheirCarriersAreNamed) {
+  const auto error = [](const std::string& arm, const std::string& keys) -> std::string {
+    try {
+      read_all(arm + "obstacles:\n  - {name: a, shape: half_space, " + keys + "}\n");
+    } catch (const config::Error& fault) {
+      return fault.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(error("", "link: hand"), testing::HasSubstr("section robot"));
+  EXPECT_THAT(error(kArm, "link: nowhere"), testing::HasSubstr("nowhere"));
+  EXPECT_THAT(error(kArm, "link: ff_tip"), testing::HasSubstr("joint ff_j4"));
+  EXPECT_THAT(error(kArm, "link: hand, moved: true"), testing::HasSubstr("not both"));
+  EXPECT_THAT(error("", "timeout_ms: 10"), testing::HasSubstr("timeout_ms"));
+  EXPECT_THAT(error("", "moved: true, timeout_ms: 0"), testing::HasSubstr("timeout_ms"));
 }
 
 /// Model of the example with a table, with another component.

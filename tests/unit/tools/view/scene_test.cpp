@@ -70,6 +70,17 @@ TEST(Scene, RefusesMessagesThatSayImpossibleThings) {
   EXPECT_EQ(scene.robot[0].get(), nullptr);
   EXPECT_EQ(scene.fingertips[0].get(), nullptr);
   EXPECT_EQ(scene.discrepancy.get(), nullptr);
+  contacts.count = 0;
+  contacts.predicted_count = 1;
+  contacts.predicted_obstacle[0] = 1;
+  contacts.obstacle_count = 1;
+  give(scene, "CONTACTS", contacts);
+  contacts.predicted_count = 33;
+  give(scene, "CONTACTS", contacts);
+  contacts.obstacle_count = 9;
+  give(scene, "CONTACTS", contacts);
+  scene.refresh();
+  EXPECT_EQ(scene.contacts.get(), nullptr);
 }
 
 TEST(Scene, JoinsTheChunksOfAShape) {
