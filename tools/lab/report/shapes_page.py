@@ -1,9 +1,9 @@
 """The page of palpate-evaluate shapes: measured and predicted outlines, and the scores of each prediction."""
 from page import Markup, curve, document, draw, element, figure, table
 
-ABOUT = """Real objects, clamped and at rest under their weight, compared with the shape that the model predicts.
-A beam's Young's modulus is fitted to the drop of its end block alone, or on another beam; nothing is
-fitted to the cylinder. Errors are predicted minus measured, or distances; sd is the standard deviation
+ABOUT = """Real objects, clamped and at rest under their weight or pushed on a table, compared with the shape that
+the model predicts. A beam's Young's modulus is fitted to the drop of its end block alone, or on another beam;
+nothing is fitted to the cylinder; a sponge is fitted to 20 % depth and scored to 40 %. Errors are predicted minus measured, or distances; sd is the standard deviation
 that the recording states."""
 HEADER = ["quantity", "unit", "error", "recording's sd", "goal", ""]
 MEASURED = 6  # number of the colour
@@ -62,15 +62,8 @@ def section_of(recording, shapes):
     return Markup("").join(out)
 
 
-def sponge_of(sponge):
-    return element("p", f"{sponge['recording']}: {sponge['frames']} frames, {sponge['contour_points']} points of "
-                        f"outlines, largest force {sponge['largest_force_N']:.2f} N; {sponge['not_scored']}.")
-
-
 def page_of(result):
     """HTML text of the JSON that palpate-evaluate shapes writes."""
     out = [element("p", " ".join(ABOUT.split()))]
     out += [section_of(*group) for group in by_recording(result["shapes"])]
-    if result["sponges"]:
-        out += [element("h2", "Sponges")] + [sponge_of(sponge) for sponge in result["sponges"]]
     return document("palpate: real shapes", Markup("").join(out))

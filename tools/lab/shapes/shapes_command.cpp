@@ -11,15 +11,12 @@
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
 #include "tools/lab/shapes/beam_score.hpp"
-#include "tools/lab/shapes/pushed_sponge.hpp"
 #include "tools/lab/shapes/recording_folders.hpp"
 #include "tools/lab/shapes/sagging_cylinder.hpp"
+#include "tools/lab/shapes/sponge_score.hpp"
 
 namespace palpate::shapes {
 namespace {
-
-constexpr const char* kNoContact =
-    "read, not scored: the model has no contact with a moving finger and a table yet";
 
 /// "NAME=KPA" to Pa. Throws config::Error.
 std::pair<std::string, double> parse_modulus(const std::string& text) {
@@ -31,12 +28,6 @@ std::pair<std::string, double> parse_modulus(const std::string& text) {
   throw config::Error("--modulus: '" + text +
                       "' is not NAME=KPA; allowed: a material of the recording and a number from "
                       "0.001 to 1e9 kPa");
-}
-
-nlohmann::json to_json(const PushedSponge& sponge) {
-  return {{"recording", sponge.recording},           {"frames", sponge.frames},
-          {"contour_points", sponge.contour_points}, {"finger_travel_px", sponge.travel},
-          {"largest_force_N", sponge.largest_force}, {"not_scored", kNoContact}};
 }
 
 }  // namespace
@@ -51,11 +42,9 @@ struct ShapesCommand::Options {
     return values;
   }
 
-  void write(const std::vector<ShapeResult>& results, const std::vector<PushedSponge>& sponges,
-             std::ostream& out) const {
-    nlohmann::json all{{"shapes", nlohmann::json::array()}, {"sponges", nlohmann::json::array()}};
+  void write(const std::vector<ShapeResult>& results, std::ostream& out) const {
+    nlohmann::json all{{"shapes", nlohmann::json::array()}};
     for (const ShapeResult& result : results) all["shapes"].push_back(shapes::to_json(result));
-    for (const PushedSponge& sponge : sponges) all["sponges"].push_back(to_json(sponge));
     if (!json.empty()) common::write_json(all, json);
     if (output.empty()) return;
     std::filesystem::create_directories(output);
@@ -97,15 +86,15 @@ struct ShapesCommand::Options {
     for (const std::filesystem::path& file : files.beams)
       beams.push_back(read_hanging_beams(file, overrides));
     add(score_hanging_beams(beams, values));
-    std::vector<PushedSponge> sponges;
-    for (const std::filesystem::path& file : files.sponges)
-      sponges.push_back(read_pushed_sponge(file));
-    if (!results.empty()) print_shapes(results, out);
-    for (const PushedSponge& sponge : sponges)
-      out << sponge.recording << ": " << sponge.frames << " frames, finger travel "
-          << common::number(sponge.travel, 0) << " pixels, largest force "
-          << common::number(sponge.largest_force, 2) << " N: " << kNoContact << '\n';
-    write(results, sponges, out);
+    for (std::size_t i = 0; i < files.sponges.size(); ++i) {
+      const PushedSponge sponge = read_pushed_sponge(files.sponges[i]);
+      common::Progress progress(static_cast<int>(i) + 1, static_cast<int>(files.sponges.size()),
+                                sponge.recording);
+      results.push_back(score_pushed_sponge(sponge));
+      progress.finish(true);
+    }
+    print_shapes(results, out);
+    write(results, out);
     return std::all_of(results.begin(), results.end(),
                        [](const ShapeResult& result) { return result.met(); })
                ? 0
@@ -116,10 +105,10 @@ struct ShapesCommand::Options {
 ShapesCommand::ShapesCommand(CLI::App& app) : options_(std::make_unique<Options>()) {
   command_ = app.add_subcommand(
       "shapes",
-      "real objects under their weight, predicted and compared with their measured shape: clamped "
-      "beams (Young's modulus is fitted to the drop of the end block alone) and a cylinder of "
-      "known "
-      "modulus (nothing is fitted); exit code 1 where a goal is missed");
+      "real objects, predicted and compared with their measured shape: clamped beams under their "
+      "weight (Young's modulus is fitted to the drop of the end block alone), a cylinder of known "
+      "modulus (nothing is fitted), and sponges pushed by a finger (fitted to 20 % depth, scored "
+      "to 40 %); exit code 1 where a goal is missed");
   command_->add_option("--data", options_->data,
                        "folder of a recording, or of such folders (default: PALPATE_DATA or "
                        "../shared/data)");

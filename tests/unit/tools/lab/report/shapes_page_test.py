@@ -36,15 +36,12 @@ class Page(unittest.TestCase):
         self.assertEqual([c["points"] for c in curves], [False, False, True])
 
     def test_page_has_everything_and_no_markup_from_names(self):
-        sponge = {"recording": "s", "frames": 3, "contour_points": 9, "largest_force_N": 1.25,
-                  "not_scored": "no contact"}
         empty = shape("m", outlines=[], scores=[], recording="other", incremental_deviation_m=None)
-        page = page_of({"shapes": [shape("m"), empty], "sponges": [sponge]})
+        page = page_of({"shapes": [shape("m"), empty]})
         self.assertIn("a &lt;b&gt;", page)
         self.assertNotIn("<b>", page)
         self.assertEqual(page.count("<img"), 1)
         self.assertIn("MISSED", page)
-        self.assertIn("1.25 N; no contact", page)
         self.assertIn("0.002 micrometres", page)
 
 
