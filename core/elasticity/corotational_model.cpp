@@ -1,5 +1,6 @@
 #include "core/elasticity/corotational_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -175,12 +176,27 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
   boundary_.apply(x);
 }
 
+/// Where contacts alone keep the body from buckling, the sensitivity is that of a nearly singular
+/// equilibrium, and what it predicts may lie beyond obstacles.
+bool CorotationalModel::is_prediction_plausible() const noexcept {
+  if (dynamic_ || !contacts_) return true;
+  const factor::BlockPattern& pattern = body_.pattern;
+  double largest = 0, hands = 0;  // m^2
+  for (int k = 0; k < pattern.size(); ++k) {
+    const double moved = (motion_.x().col(k) - motion_.x_begin().col(k)).squaredNorm();
+    double& most = pattern.is_free(k, boundary_.held()) ? largest : hands;
+    most = std::max(most, moved);
+  }
+  return std::sqrt(largest) <= contacts_->farthest() + 4 * std::sqrt(hands);
+}
+
 /// Potential, J, at the predicted positions, or at those of the last step, moved by the hands
-/// alone, if the former is not finite; not finite if neither is.
+/// alone, if the former is not finite or plausible; not finite if neither is.
 double CorotationalModel::evaluate_prediction(double dt) noexcept {
   double energy = 0;
   for (const bool follow : {true, false}) {
     predict(dt, follow);
+    if (follow && !is_prediction_plausible()) continue;
     energy = potential_.evaluate(motion_.x());
     if (std::isfinite(energy) && potential_.forces().allFinite()) return energy;
   }

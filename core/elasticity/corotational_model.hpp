@@ -66,6 +66,7 @@ class CorotationalModel : public DeformationModel {
 
  private:
   void predict(double dt, bool follow) noexcept;
+  bool is_prediction_plausible() const noexcept;
   double evaluate_prediction(double dt) noexcept;
   void recover_inverted_elements(StepReport& report, double& energy) noexcept;
   void stay_if_better(StepReport& report, double& energy, double dt,

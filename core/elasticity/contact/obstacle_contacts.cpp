@@ -266,6 +266,10 @@ bool ObstacleContacts::is_touching() const noexcept {
                      [](const SurfaceContact& contact) { return contact.presses(); });
 }
 
+double ObstacleContacts::farthest() const noexcept {
+  return is_touching() ? options_.reach : std::numeric_limits<double>::infinity();
+}
+
 void ObstacleContacts::describe(std::vector<int>& samples,
                                 std::vector<TouchingPoint>& touching) const noexcept {
   samples.clear();

@@ -45,6 +45,9 @@ class ObstacleContacts {
   /// Largest violation of the contact laws at `x`, m: penetration, gap under force, motion of a
   /// sticking point, motion of a slipping one other than against its friction force.
   double violation(const NodalField& x) noexcept;
+  /// Largest motion of a node, m, that carries no point past the obstacles that are listed for it;
+  /// infinite while nothing touches.
+  double farthest() const noexcept;
   double tolerance() const noexcept { return options_.tolerance; }
   /// Notes at the positions reached which points slip and from where.
   void finish_step(const NodalField& x) noexcept;

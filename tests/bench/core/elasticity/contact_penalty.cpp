@@ -220,7 +220,8 @@ std::vector<elasticity::SurfaceContact> ContactPenalty::contacts() const {
   for (const Point& point : points_) {
     if (!point.contact.presses()) continue;
     touching.push_back(point.contact);
-    touching.back().anchor = point.contact.position;
+    const math::Pose& X_OB = parts_.options.contact.obstacles[point.contact.obstacle].X_OB;
+    touching.back().anchor_B = X_OB.inverse() * point.contact.position;
   }
   return touching;
 }
