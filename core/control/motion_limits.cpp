@@ -14,7 +14,14 @@ namespace {
 using math::QuadraticProgram;
 constexpr math::RowPriority kHard{}, kHandOfJoints{1, 10.0}, kGrasp{1, 1.0}, kContactForce{1, 0.6},
     kStrain{1, 0.3}, kObstacle{2, 1.0}, kWorkspace{3, 1.0};
-constexpr double kNoMotion = 1e-9;  // of a row: smaller ones are zero but for rounding
+// Relative motion below this fraction of a point's own is that of an aged sensitivity.
+constexpr double kNoMotion = 0.05;
+// At which an obstacle with a limit of force is touched: at an acceleration of 0.5 m/s^2 the hand
+// rests after 25 um.
+constexpr double kTouchSpeed = 5e-3;  // m/s
+// Derivative of a contact force by a hand's motion beyond which it is that of a contact that the
+// nodes of a grasp determine alone.
+constexpr double kStiffest = 1e6;  // N/m
 }  // namespace
 
 /// Converts rows over the motion of the grasps into rows over the program's variables.
@@ -90,14 +97,14 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   math::check_option(options.obstacles.size() <= collision::kMostObstacles, "obstacles",
                      options.obstacles.size(),
                      "at most " + std::to_string(collision::kMostObstacles));
-  std::vector<collision::Obstacle> kept_off;
+  std::vector<collision::Obstacle> watched;
   for (const LimitedObstacle& obstacle : options.obstacles) {
     obstacle.body.check();
     check_not_negative(obstacle.clearance, "clearance of " + obstacle.body.name);
     check_positive(obstacle.force, "force on " + obstacle.body.name);
-    if (obstacle.may_touch) continue;
-    kept_off_.push_back(static_cast<int>(&obstacle - options.obstacles.data()));
-    kept_off.push_back(obstacle.body);
+    if (obstacle.may_touch && !std::isfinite(obstacle.force)) continue;
+    watched_.push_back(static_cast<int>(&obstacle - options.obstacles.data()));
+    watched.push_back(obstacle.body);
   }
   math::check_option(!grasps_.empty() && grasps_.size() <= 2, "grasps", grasps_.size(), "1 or 2");
   options.joints.check();
@@ -109,7 +116,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
       options.stretch == 0 || (options.stretch > 1 && std::isfinite(options.stretch)), "stretch",
       options.stretch, "above 1, or 0 for no limit");
   const bool strains = options.stress > 0 || options.stretch > 0;
-  if ((strains || !kept_off.empty()) && body == nullptr)
+  if ((strains || !watched.empty()) && body == nullptr)
     throw std::invalid_argument(
         "body: null; allowed: an object, where stress, stretch or a clearance is limited");
   fraction(options.strain_margin, "strain_margin");
@@ -120,9 +127,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
     if (box) math::check_box(box->lower, box->upper, "workspace of a flange");
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
-  if (!kept_off.empty())
-    gaps_.emplace(mesh::extract_surface(body->mesh), std::move(kept_off),
-                  options.fallback_deviation);
+  if (!watched.empty()) gaps_.emplace(body->mesh, std::move(watched), options.fallback_deviation);
 }
 
 double MotionLimits::buckling_scale(const elasticity::DeformationModel& model) noexcept {
@@ -143,8 +148,8 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
   if (stress_) stress_->look(inputs.model->positions());
   if (stretch_) stretch_->look(inputs.model->positions());
   if (!gaps_) return;
-  for (std::size_t i = 0; inputs.obstacles != nullptr && i < kept_off_.size(); ++i)
-    gaps_->place(static_cast<int>(i), (*inputs.obstacles)[kept_off_[i]]);
+  for (std::size_t i = 0; inputs.obstacles != nullptr && i < watched_.size(); ++i)
+    gaps_->place(static_cast<int>(i), (*inputs.obstacles)[watched_[i]]);
   gaps_->look(inputs.model->positions(), inputs.node_deviation);
 }
 
@@ -315,11 +320,11 @@ void MotionLimits::add_strain(Rows& rows, const elasticity::DeformationModel& mo
 }
 
 void MotionLimits::add_obstacles(Rows& rows, const LawInputs& inputs) noexcept {
-  for (std::size_t i = 0; i < kept_off_.size(); ++i) {
-    const double clearance = options_.obstacles[kept_off_[i]].clearance;
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    const LimitedObstacle& limited = options_.obstacles[watched_[i]];
     const ObstacleGaps::Point* points = gaps_->points().data() + ObstacleGaps::kPoints * i;
     for (int k = 0; k < ObstacleGaps::kPoints; ++k)
-      add_near_point(rows, inputs, gaps_->obstacle(static_cast<int>(i)), points[k], clearance);
+      add_near_point(rows, inputs, gaps_->obstacle(static_cast<int>(i)), points[k], limited);
   }
   for (std::size_t i = 0; i < options_.obstacles.size(); ++i) {
     const double limit = options_.obstacles[i].force;
@@ -331,8 +336,11 @@ void MotionLimits::add_obstacles(Rows& rows, const LawInputs& inputs) noexcept {
 /// itself.
 void MotionLimits::add_near_point(Rows& rows, const LawInputs& inputs,
                                   const collision::Obstacle& obstacle,
-                                  const ObstacleGaps::Point& point, double clearance) noexcept {
+                                  const ObstacleGaps::Point& point,
+                                  const LimitedObstacle& limited) noexcept {
+  if (limited.may_touch && !rows.is_velocity) return;
   Row row = Row::Zero(1, size());
+  double own_motion = 0;
   bool is_carried = false;  // by a hand that moves
   for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving) {
     const int grasp = grasps_[moving];
@@ -341,19 +349,22 @@ void MotionLimits::add_near_point(Rows& rows, const LawInputs& inputs,
       row.segment<6>(6 * moving) +=
           point.on.weights[i] *
           point.away_O.transpose().lazyProduct(S.middleRows<3>(3 * point.on.nodes[i]));
+    own_motion = std::max(own_motion, row.segment<6>(6 * moving).norm());
     if (obstacle.hand != grasp) continue;
     is_carried = true;
     const Eigen::Vector3d arm = point.on.position - inputs.X_OG[grasp].translation();
     row.segment<3>(6 * moving) -= point.away_O.transpose();
     row.segment<3>(6 * moving + 3) -= arm.cross(point.away_O).transpose();
   }
-  const double left = point.gap - clearance - options_.clearance_deviations * point.deviation;
+  const double margin = limited.clearance + options_.clearance_deviations * point.deviation;
+  const double fastest = limited.may_touch ? kTouchSpeed + rows.rate * std::max(point.gap, 0.0)
+                                           : rows.rate * (point.gap - margin);
   const double approach = rows.is_velocity && !is_carried
                               ? point.away_O.dot(obstacle.velocity_at(point.on.position))
                               : 0;  // m/s
-  // a point that moves with the obstacle keeps its distance
+  // a point that moves with the obstacle, or not at all, keeps its distance
   const double lower =
-      row.norm() > kNoMotion ? approach - rows.rate * left : -QuadraticProgram::kNoBound;
+      row.norm() > kNoMotion * own_motion ? approach - fastest : -QuadraticProgram::kNoBound;
   rows.add(row, lower, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
 }
 
@@ -369,8 +380,9 @@ void MotionLimits::add_contact_force(Rows& rows, const elasticity::DeformationMo
     row.segment<6>(6 * moving) =
         model.sensitivity().dcontact_dxi[static_cast<std::size_t>(obstacle)][grasps_[moving]];
   // zero until a sensitivity has been computed in contact
-  const double upper =
-      row.norm() > kNoMotion ? rows.rate * (limit - force) : QuadraticProgram::kNoBound;
+  const bool is_known = !row.isZero(0) && row.norm() < kStiffest;
+  const double upper = is_known ? rows.rate * (limit - force) : QuadraticProgram::kNoBound;
+  if (!is_known) row.setZero();
   rows.add(row, -QuadraticProgram::kNoBound, upper, Limit::kContactForce, kContactForce);
 }
 

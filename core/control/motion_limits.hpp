@@ -148,7 +148,7 @@ class MotionLimits {
                   const elasticity::WorstElements& worst, double limit, Limit kind) noexcept;
   void add_obstacles(Rows& rows, const LawInputs& inputs) noexcept;
   void add_near_point(Rows& rows, const LawInputs& inputs, const collision::Obstacle& obstacle,
-                      const ObstacleGaps::Point& point, double clearance) noexcept;
+                      const ObstacleGaps::Point& point, const LimitedObstacle& limited) noexcept;
   void add_contact_force(Rows& rows, const elasticity::DeformationModel& model, int obstacle,
                          double limit) noexcept;
   int size() const noexcept { return 6 * static_cast<int>(grasps_.size()); }
@@ -156,7 +156,9 @@ class MotionLimits {
   MotionLimitOptions options_;
   std::vector<int> grasps_;
   std::optional<elasticity::WorstElements> stress_, stretch_;
-  std::vector<int> kept_off_;         // indices of the obstacles that the object may not touch
+  /// Indices of the obstacles whose distance matters: those that the object may not touch, or may
+  /// only touch slowly.
+  std::vector<int> watched_;
   std::optional<ObstacleGaps> gaps_;  // to these
   std::array<Limit, math::QuadraticProgram::kMostRows> limit_of_{};
   double first_pivot_ = 0;

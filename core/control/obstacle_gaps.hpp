@@ -5,6 +5,7 @@
 #include "core/collision/box_tree.hpp"
 #include "core/collision/obstacle.hpp"
 #include "core/contact/surface_match.hpp"
+#include "core/mesh/point_locator.hpp"
 
 namespace palpate::control {
 
@@ -27,7 +28,7 @@ class ObstacleGaps {
   };
 
   /// `fallback_deviation`: m, standard deviation of positions when none is estimated.
-  ObstacleGaps(const mesh::Surface& surface, std::vector<collision::Obstacle> obstacles,
+  ObstacleGaps(const mesh::ElementMesh& mesh, std::vector<collision::Obstacle> obstacles,
                double fallback_deviation);
 
   void place(int obstacle, const collision::Placement& placement) noexcept {
@@ -43,14 +44,15 @@ class ObstacleGaps {
   const std::vector<Point>& points() const noexcept { return points_; }
 
  private:
-  void find_nearest_nodes(const Eigen::Matrix3Xd& positions, const collision::Obstacle& obstacle,
-                          Point* points) const noexcept;
-  contact::SurfaceMatch find_nearest_point(const collision::Obstacle& obstacle,
-                                           const Point& nearest_node) const noexcept;
+  contact::SurfaceMatch find_nearest_samples(const Eigen::Matrix3Xd& positions,
+                                             const collision::Obstacle& obstacle,
+                                             Point* points) const noexcept;
+  contact::SurfaceMatch approach(const collision::Obstacle& obstacle,
+                                 const contact::SurfaceMatch& from) const noexcept;
 
   std::vector<collision::Obstacle> obstacles_;
   double fallback_deviation_;
-  std::vector<int> nodes_;  // nodes of the surface
+  std::vector<mesh::PointWeights> samples_;  // of the surface, its nodes among them
   collision::BoxTree tree_;
   contact::SurfaceMatcher matcher_;
   std::vector<Point> points_;

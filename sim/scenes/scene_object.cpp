@@ -176,8 +176,8 @@ void read_object(const config::Node& node, Scene& scene) {
     if (plant.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
     plant.grasps.push_back(read_grasp(node, "second_grasp_box"));
   }
-  // An object held by two hands needs no rig.
-  if (node.has("clamp_box") || plant.grasps.size() < 2)
+  // An object that hands hold needs no rig.
+  if (node.has("clamp_box") || plant.grasps.empty())
     plant.clamp = read_box(node.child({"clamp_box", "", "what a rig holds fast"}));
   if (node.has("clamp_pads")) {
     if (!plant.clamp) node.fail("clamp_pads", "needs a clamp_box");

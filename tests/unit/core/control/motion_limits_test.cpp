@@ -111,7 +111,8 @@ TEST_F(BarServo, KeepsAwayFromObstacles) {
         nearest = std::min(nearest, gap);
       }
       const double kept = 0.004 + 3 * deviation;
-      EXPECT_GT(nearest, 0.97 * kept);
+      // edges and planes are harder to pass by: the limit, which is soft, gives way a little
+      EXPECT_GT(nearest, (obstacle.name == "ball" ? 0.98 : 0.95) * kept);
       EXPECT_LT(nearest, kept + 0.004) << "it was in the way";
     }
   }
@@ -134,7 +135,7 @@ TEST_F(BarServo, GivesWayToAnObstacleThatMoves) {
   placements_[0].X_OB = lid.body.X_OB;
   const mesh::Surface surface = mesh::extract_surface(body_.mesh);
   double nearest = 1, farthest = 0;
-  for (int i = 0; i < 900; ++i) {
+  for (int i = 0; i < 780; ++i) {  // until it is 6 mm above the clamp, which cannot give way
     if (i > 500) {
       placements_[0].V_O_B.linear.z() = -kSinking;
       placements_[0].X_OB.translation().z() -= kSinking * kPeriod;
@@ -151,7 +152,8 @@ TEST_F(BarServo, GivesWayToAnObstacleThatMoves) {
   EXPECT_LT(farthest, kClearance + 0.004) << "it stays in the way";
 }
 
-/// What the hand itself carries comes no nearer when the hand moves, and does not hold it back.
+/// What the hand itself carries comes no nearer when the hand moves, and does not hold it back;
+/// what is fixed at the same place makes the hand reach the target in another way.
 TEST_F(BarServo, IsNotHeldBackByWhatItsHandCarries) {
   for (const bool is_carried : {true, false}) {
     QuadraticProgramLaw::Limited limited;
@@ -171,10 +173,14 @@ TEST_F(BarServo, IsNotHeldBackByWhatItsHandCarries) {
         placements_[0].X_OB = X_OG_ * body_.grasps[0].X_OG_rest.inverse() * palm.body.X_OB;
       tick();
     }
+    EXPECT_LT(error(), 2e-3);
+    const double gap = support::least_on_surface(
+        mesh::extract_surface(body_.mesh), model_->positions(),
+        [&](const Vector3d& p) { return (p - placements_[0].X_OB.translation()).norm() - 0.03; });
     if (is_carried)
-      EXPECT_LT(error(), 2e-3);
+      EXPECT_LT(gap, 0.9 * palm.clearance);
     else
-      EXPECT_GT(error(), 5e-3) << "it was in the way";
+      EXPECT_GT(gap, 0.97 * palm.clearance);
   }
 }
 
@@ -199,6 +205,7 @@ TEST_F(BarServo, PressesATableWithTheLargestForceAndNoMore) {
   QuadraticProgramLaw::Limited limited;
   table.force = 0.5 * freely;
   limited.limits.obstacles = {table};
+  limited.body = &body_;
   QuadraticProgramLaw law(servo(), limited);
   start(law, {0, 0, -0.012});
   double largest = 0;

@@ -7,17 +7,16 @@
 
 namespace palpate::support {
 
-/// Least value(point) over many points of each face of the curved surface: an upper bound of the
-/// minimum.
+/// Least value(point) over many points of each face of the curved surface, `parts` to an edge: an
+/// upper bound of the minimum.
 template <class Value>
-double least_on_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
-                        const Value& value) {
-  constexpr int kParts = 16;
+double least_on_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x, const Value& value,
+                        int parts = 16) {
   double least = 1e300;
   for (const std::vector<int>& nodes : surface.triangle_nodes) {
-    for (int i = 0; i <= kParts; ++i) {
-      for (int j = 0; i + j <= kParts; ++j) {
-        const double b = static_cast<double>(i) / kParts, c = static_cast<double>(j) / kParts;
+    for (int i = 0; i <= parts; ++i) {
+      for (int j = 0; i + j <= parts; ++j) {
+        const double b = static_cast<double>(i) / parts, c = static_cast<double>(j) / parts;
         const double a = 1 - b - c;
         Eigen::Vector3d q = a * x.col(nodes[0]) + b * x.col(nodes[1]) + c * x.col(nodes[2]);
         if (nodes.size() == 6)

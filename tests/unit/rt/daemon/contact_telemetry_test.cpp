@@ -20,7 +20,7 @@ TEST(ContactTelemetry, HoldsEachPressingPointLargestFirst) {
   sensing::Signals signals = support::at_rest(pipeline);
   pipeline.start();
   const math::Pose rest = signals.robot.latest.X_WE;
-  for (int i = 0; i <= 300; ++i) {  // onto the table
+  for (int i = 0; i <= 500; ++i) {  // onto the table
     signals.robot.latest.X_WE.translation().z() = rest.translation().z() - 1e-4 * i;
     support::run(pipeline, signals, 1);
   }

@@ -84,7 +84,7 @@ TEST_P(EveryExample, IsConfiguredAndStarts) {
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kInactive) << pipeline.condition().reason;
   const elasticity::Body& body = pipeline.object().body;
   EXPECT_LE(body.mesh.node_count(), kMostNodes);
-  EXPECT_TRUE(!body.fixed_nodes.empty() || body.grasps.size() == 2) << "nothing holds it";
+  EXPECT_TRUE(!body.fixed_nodes.empty() || !body.grasps.empty()) << "nothing holds it";
   if (!body.grasps.empty()) {
     // G lies within the grasped part.
     const Eigen::Vector3d p = body.grasps[0].X_OG_rest.translation();

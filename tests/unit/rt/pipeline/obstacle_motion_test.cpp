@@ -142,7 +142,8 @@ TEST_F(ObstacleMotionTest, MessagesMoveAnObstacleWhichKeepsItsVelocityForATime) 
 TEST(ObstaclesOfAPipeline, UnknownPlacesStopTheArm) {
   const config::Node root = config::Node::load_file(
       PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft_limits.yaml",
-      {"obstacles=[{name: lid, shape: sphere, radius: 0.1, moved: true, pose: {position: [0, 0, "
+      {"sensing=[]",
+       "obstacles=[{name: lid, shape: sphere, radius: 0.1, moved: true, pose: {position: [0, 0, "
        "3]}}]"});
   Pipeline pipeline(root, 1e-3);
   sensing::Signals signals = support::at_rest(pipeline);

@@ -39,14 +39,14 @@ std::string outline(double bottom) {
   return text.str();
 }
 
-PushedSponge read(const std::string& frames, const std::string& contour) {
+PushedSponge read_trial(const std::string& frames, const std::string& contour) {
   const ShapeFolder folder;
   folder.write("sponge/x_contour.csv", contour);
   return read_pushed_sponge(folder.write("sponge/x_frames.csv", frames));
 }
 
 TEST(PushedSponge, RestAndFirstContactFollowFromOutlineAndForce) {
-  const PushedSponge sponge = read(frames(0.02), outline(kBottom));
+  const PushedSponge sponge = read_trial(frames(0.02), outline(kBottom));
   EXPECT_EQ(sponge.recording, "sponge/x");
   ASSERT_EQ(static_cast<int>(sponge.frames.size()), kFrames);
   EXPECT_EQ(sponge.last_loading, 9);
@@ -60,7 +60,7 @@ TEST(PushedSponge, RestAndFirstContactFollowFromOutlineAndForce) {
 TEST(PushedSponge, ADamagedTrialIsAnErrorWithTheFile) {
   const auto message = [](const std::string& frames, const std::string& contour) {
     try {
-      read(frames, contour);
+      read_trial(frames, contour);
     } catch (const recordings::CsvError& error) {
       return std::string(error.what());
     }
@@ -78,7 +78,7 @@ TEST(PushedSponge, ADamagedTrialIsAnErrorWithTheFile) {
 }
 
 TEST(PushedSponge, TheModelFollowsTheFingerAndStaysOnTheTable) {
-  const PushedSponge sponge = read(frames(0.02), outline(kBottom));
+  const PushedSponge sponge = read_trial(frames(0.02), outline(kBottom));
   const SpongeModel model(sponge, {6, 4});
   const std::vector<PredictedSponge> predicted =
       model.predict({0.1, sponge.contact_height}, sponge.last_loading);
