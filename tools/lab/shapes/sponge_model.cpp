@@ -14,8 +14,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kStep = 10e-3;  // s
-constexpr int kSettlingSteps = 50;
+constexpr double kStep = 20e-3;  // s
+constexpr int kSettlingSteps = 25;
 constexpr double kDensity =
     25;                         // kg/m^3, soft polyurethane: the weight is a hundredth of the force
 constexpr double kEdge = 1e-9;  // of the unit square

@@ -23,7 +23,7 @@ constexpr double kOutlineDeviation = 1;         // pixels, of the recording
 constexpr double kForceDeviation = 0.05;        // of the force at the end of the fit
 constexpr double kOutlineGoal = 0.5;            // % of the length
 constexpr double kForceGoal = 15;               // %
-constexpr std::array<int, 2> kCells{12, 8};
+constexpr std::array<int, 2> kCells{8, 5};
 
 /// Distance of a point from a closed line, pixels.
 double distance(const Vector2d& point, const Matrix2Xd& line) {
