@@ -4,8 +4,6 @@
 #include <array>
 #include <limits>
 
-#include "core/collision/surface_samples.hpp"
-
 namespace palpate::control {
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include "core/collision/box_tree.hpp"
 #include "core/collision/obstacle.hpp"
+#include "core/collision/surface_samples.hpp"
 #include "core/contact/surface_match.hpp"
-#include "core/mesh/point_locator.hpp"
 
 namespace palpate::control {
 

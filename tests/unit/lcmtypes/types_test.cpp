@@ -22,7 +22,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"component_command_t", 0xfed930ff6db67de2},
     {"component_event_t", 0x1ee90f753de22690},
     {"config_t", 0x2528ab9c6b131a90},
-    {"contacts_t", 0x049a5f46ba4c06f3},
+    {"contacts_t", 0x9a783f5016ef363d},
     {"contacts_v1_t", 0x583cf81eabffd830},
     {"discrepancy_t", 0x5aa5cdf84dff8d46},
     {"estimate_t", 0x90fa6341cc59c8f8},

@@ -111,7 +111,7 @@ TEST_F(BarServo, KeepsAwayFromObstacles) {
         nearest = std::min(nearest, gap);
       }
       const double kept = 0.004 + 3 * deviation;
-      // edges and planes are harder to pass by: the limit, which is soft, gives way a little
+      // edges and planes are harder to pass by: the limit, which is soft, is exceeded a little
       EXPECT_GT(nearest, (obstacle.name == "ball" ? 0.98 : 0.95) * kept);
       EXPECT_LT(nearest, kept + 0.004) << "it was in the way";
     }
@@ -135,7 +135,7 @@ TEST_F(BarServo, GivesWayToAnObstacleThatMoves) {
   placements_[0].X_OB = lid.body.X_OB;
   const mesh::Surface surface = mesh::extract_surface(body_.mesh);
   double nearest = 1, farthest = 0;
-  for (int i = 0; i < 780; ++i) {  // until it is 6 mm above the clamp, which cannot give way
+  for (int i = 0; i < 780; ++i) {  // until it is 6 mm above the clamp, which cannot move
     if (i > 500) {
       placements_[0].V_O_B.linear.z() = -kSinking;
       placements_[0].X_OB.translation().z() -= kSinking * kPeriod;
