@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double kStep = 20e-3;  // s
 constexpr int kSettlingSteps = 25;
+constexpr int kRenewal = 4;  // steps after which a new factor, with its sensitivity, is worth it
 constexpr double kDensity =
     25;                         // kg/m^3, soft polyurethane: the weight is a hundredth of the force
 constexpr double kEdge = 1e-9;  // of the unit square
@@ -63,8 +64,10 @@ elasticity::SolverOptions solver_options(const PushedSponge& sponge, const math:
   return options;
 }
 
-void step(elasticity::CorotationalModel& model) {
-  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
+void step(elasticity::CorotationalModel& model, int count) {
+  elasticity::Refactorisation* job =
+      count % kRenewal == 0 ? model.wanted_refactorisation() : nullptr;
+  if (job != nullptr) {
     job->run();
     model.install(*job);
   }
@@ -123,7 +126,7 @@ std::vector<PredictedSponge> SpongeModel::predict(const SpongeParameters& parame
   elasticity::CorotationalDynamic model(body, solver_options(sponge_, pose_of_finger(at)));
   model.prepare();
   model.set_gravity(body.gravity_O);
-  for (int i = 0; i < kSettlingSteps; ++i) step(model);
+  for (int i = 0; i < kSettlingSteps; ++i) step(model, i);
   std::vector<PredictedSponge> predicted{observe(model)};
   for (int k = 1; k <= last; ++k) {
     const Vector2d next = finger(frames[k].finger);
@@ -134,7 +137,7 @@ std::vector<PredictedSponge> SpongeModel::predict(const SpongeParameters& parame
     for (int i = 1; i <= steps; ++i) {
       placement.X_OB = pose_of_finger(at + (next - at) * i / steps);
       model.place_obstacle(kFinger, placement);
-      step(model);
+      step(model, i);
     }
     at = next;
     predicted.push_back(observe(model));
