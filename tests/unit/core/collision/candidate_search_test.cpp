@@ -106,7 +106,7 @@ TEST(CandidateSearch, MissesNothingWithinReachOfAMovingBodyAndMovingObstacles) {
     EXPECT_EQ(next, candidates.size());
   }
   EXPECT_GT(found, 1000);
-  EXPECT_LT(search.searches(), steps / 2);
+  EXPECT_LT(search.searches(), steps / 4);
 }
 
 TEST(CandidateSearch, AsksTheTreeOnlyAfterMotion) {

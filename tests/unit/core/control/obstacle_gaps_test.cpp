@@ -59,7 +59,7 @@ TEST_P(BentBar, ComesNearestBetweenNodes) {
     const double expected = support::least_on_surface(
         surface_, x_, [&](const Vector3d& q) { return collision::distance(all[o], q); }, 96);
     EXPECT_NEAR(points[0].gap, expected, 5e-5);
-    EXPECT_LE(points[0].gap, expected + 2e-5) << "many points are never nearer than the nearest";
+    EXPECT_LE(points[0].gap, expected + 1e-6) << "many points are never nearer than the nearest";
     std::vector<double> of_nodes;
     for (const int node : surface_.nodes)
       of_nodes.push_back(collision::distance(all[o], x_.col(node)));
