@@ -60,7 +60,8 @@ void print_shapes(const std::vector<ShapeResult>& results, std::ostream& out) {
       table.add({score.quantity, score.unit, common::number(score.error, 2),
                  has_deviation ? common::number(score.deviation, 1) : "",
                  has_deviation ? common::number(std::abs(score.error) / score.deviation, 1) : "",
-                 score.goal ? common::number(*score.goal, 0) : "", verdict(score)});
+                 score.goal ? common::number(*score.goal, *score.goal < 1 ? 1 : 0) : "",
+                 verdict(score)});
     }
   }
   table.print(out);

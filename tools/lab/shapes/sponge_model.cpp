@@ -53,12 +53,12 @@ collision::Obstacle table_of(const PushedSponge& sponge) {
 elasticity::SolverOptions solver_options(const PushedSponge& sponge, const math::Pose& finger) {
   elasticity::SolverOptions options;
   options.time_step = kStep;
-  options.iterations = 12;
+  options.iterations = 6;
   options.contact.obstacles = {
       table_of(sponge),
       {"finger", collision::Cylinder{kFingerRadius * kPixel, 1}, finger, kFriction}};
   options.contact.most = 400;
-  options.contact.sweeps = 100;
+  options.contact.sweeps = 40;
   options.contact.columns = options.contact.most;  // time does not matter: all in one step
   options.contact.reach = options.contact.imminent = 1e-3;
   return options;

@@ -24,6 +24,7 @@ constexpr double kForceDeviation = 0.05;        // of the force at the end of th
 constexpr double kOutlineGoal = 0.5;            // % of the length
 constexpr double kForceGoal = 15;               // %
 constexpr std::array<int, 2> kCells{8, 5};
+constexpr double kLargestPoisson = 0.45, kHeightUnit = 20;  // pixels
 
 /// Distance of a point from a closed line, pixels.
 double distance(const Vector2d& point, const Matrix2Xd& line) {
@@ -88,7 +89,12 @@ struct SpongeCost {
   const SpongeModel& model;
   const std::vector<int>& frames;
 
-  static SpongeParameters parameters(const double* values) { return {values[0] - 1, values[1]}; }
+  /// Of values without bounds, both of the size of one, which suits relative steps of differences:
+  /// the ratio is between 0 and kLargestPoisson.
+  SpongeParameters parameters(const double* values) const {
+    return {kLargestPoisson / (1 + std::exp(values[0])),
+            sponge.contact_height + kHeightUnit * (values[1] - 1)};
+  }
 
   bool operator()(double const* const* values, double* residuals) const {
     const std::vector<PredictedSponge> predicted =
@@ -108,28 +114,24 @@ struct SpongeCost {
 
 SpongeParameters fit(const PushedSponge& sponge, const SpongeModel& model,
                      const std::vector<int>& frames) {
-  // 1 + Poisson's ratio, and pixels: relative steps of differences suit both
-  std::array<double, 2> values{1.1, sponge.contact_height};
+  const SpongeCost residuals{sponge, model, frames};
+  std::array<double, 2> values{1.25, 1};  // a ratio of 0.1
   ceres::NumericDiffOptions differences;
-  differences.relative_step_size = 5e-3;
+  differences.relative_step_size = 0.05;
   auto* cost = new ceres::DynamicNumericDiffCostFunction<SpongeCost, ceres::FORWARD>(
-      new SpongeCost{sponge, model, frames}, ceres::TAKE_OWNERSHIP, differences);
+      new SpongeCost(residuals), ceres::TAKE_OWNERSHIP, differences);
   cost->AddParameterBlock(2);
   cost->SetNumResiduals(2 * static_cast<int>(frames.size()));
   ceres::Problem problem;
   problem.AddResidualBlock(cost, nullptr, values.data());
-  problem.SetParameterLowerBound(values.data(), 0, 1);
-  problem.SetParameterUpperBound(values.data(), 0, 1.45);
-  problem.SetParameterLowerBound(values.data(), 1, sponge.contact_height - 0.1 * sponge.height());
-  problem.SetParameterUpperBound(values.data(), 1, sponge.contact_height + 0.1 * sponge.height());
   ceres::Solver::Options options;
-  options.max_num_iterations = 10;
-  options.function_tolerance = 1e-3;
+  options.max_num_iterations = 8;
+  options.function_tolerance = options.parameter_tolerance = 1e-3;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) throw std::runtime_error(sponge.recording + ": no fit");
-  return SpongeCost::parameters(values.data());
+  return residuals.parameters(values.data());
 }
 
 }  // namespace
