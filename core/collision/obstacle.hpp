@@ -49,6 +49,9 @@ struct Obstacle {
   math::Twist V_O_B{};    // of the origin of B, in O
   bool is_known = true;   // as in Placement
   int hand = -1;          // grasp whose hand carries the obstacle rigidly; -1: none
+  /// Prior standard deviations of the error of its pose, along and about the axes of B, m and rad.
+  /// Zero: the pose is known exactly in this direction.
+  math::Vector6d pose_deviation = math::Vector6d::Zero();
 
   void place(const Placement& placement) noexcept {
     X_OB = placement.X_OB;

@@ -34,7 +34,8 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
                                                          options_.contact, samples_)),
       corrections_(body_, boundary_, potential_, factor_, contacts_.get(), options_),
       recovery_(body_, boundary_, potential_),
-      sensitivity_(body_, boundary_, factor_.warp()),
+      sensitivity_(body_, boundary_, factor_.warp(),
+                   static_cast<int>(collision::free_directions(options_.contact.obstacles).size())),
       x_corrected_(body_.rest),
       job_(body_, options_, samples_) {
   using math::check_option;
@@ -248,7 +249,7 @@ Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
   snapshot.held = boundary_.held();
   snapshot.contacts = sensitivity_.contacts();
   snapshot.grasps = boundary_.applied();
-  if (contacts_) contacts_->describe(job_.contact_samples, snapshot.touching);
+  if (contacts_) contacts_->describe(job_.contact_samples, snapshot);
   job_.factor.rotations = factor_.measure_rotations(potential_.elements());
   job_.factor.step = potential_.factors();
   job_age_ = 0;

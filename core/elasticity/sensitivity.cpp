@@ -70,7 +70,7 @@ void NodeWarp::update(const Eigen::Matrix4Xf& now, const Eigen::Matrix4Xf& snaps
 void NodeWarp::turn(Eigen::VectorXf& v) const noexcept { multiply<1, 3>(matrices_, v); }
 void NodeWarp::turn_back(Eigen::VectorXf& v) const noexcept { multiply<3, 1>(matrices_, v); }
 
-void Sensitivity::resize(int nodes) {
+void Sensitivity::resize(int nodes, int free_directions) {
   for (Motion& m : dx_dxi) m.setZero(3 * nodes, 6);
   for (auto& row : dw_dxi) {
     for (math::Matrix6d& m : row) m.setZero();
@@ -85,6 +85,9 @@ void Sensitivity::resize(int nodes) {
   for (auto& row : dw_dforce) {
     for (auto& m : row) m.setZero();
   }
+  dx_dobstacle.setZero(3 * nodes, free_directions);
+  for (auto& m : dw_dobstacle) m.setZero(6, free_directions);
+  for (auto& row : dcontact_dobstacle) row.setZero(free_directions);
 }
 
 void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
@@ -101,6 +104,8 @@ void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
     }
     turn_blocks(w, snapshot.dx_dparameter.middleRows<3>(3 * node), identity,
                 now.dx_dparameter.middleRows<3>(3 * node));
+    now.dx_dobstacle.middleRows<3>(3 * node) =
+        w.lazyProduct(snapshot.dx_dobstacle.middleRows<3>(3 * node));
     for (int c = 0; c < kContactSlots; ++c) {
       if (!turned.is_watched[c]) continue;
       turn_blocks(w, snapshot.dx_dforce[c].middleRows<3>(3 * node), turned.contacts[c],
@@ -117,6 +122,7 @@ void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
       now.dw_dparameter[a].col(k).head<3>() = w * snapshot.dw_dparameter[a].col(k).head<3>();
       now.dw_dparameter[a].col(k).tail<3>() = w * snapshot.dw_dparameter[a].col(k).tail<3>();
     }
+    now.dw_dobstacle[a] = math::both_halves(w).lazyProduct(snapshot.dw_dobstacle[a]);
     for (int c = 0; c < kContactSlots; ++c) {
       turn_wrench(w, snapshot.dw_dforce[a][c], turned.contacts[c], now.dw_dforce[a][c]);
     }
@@ -126,6 +132,7 @@ void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
       now.dcontact_dxi[o][g] =
           snapshot.dcontact_dxi[o][g].lazyProduct(math::both_halves(turned.grasps[g]).transpose());
   }
+  now.dcontact_dobstacle = snapshot.dcontact_dobstacle;
   now.smallest_pivot = snapshot.smallest_pivot;
   now.valid = snapshot.valid;
 }

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/collision/obstacle.hpp"
+#include "core/collision/free_directions.hpp"
 #include "core/elasticity/element_stress.hpp"
 #include "core/math/rigid.hpp"
 
@@ -75,6 +75,17 @@ struct Sensitivity {
   /// each obstacle; zero for obstacles that were not touched.
   std::array<std::array<Eigen::Matrix<double, 1, 6>, 2>, collision::kMostObstacles> dcontact_dxi;
 
+  /// Per motion of obstacles in their free directions (m, rad; collision::free_directions); zero
+  /// for obstacles that were not touched.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic> dx_dobstacle;
+  using ObstacleWrenches =
+      Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, collision::kMostFreeDirections>;
+  std::array<ObstacleWrenches, 2> dw_dobstacle;
+  /// The sum, N, of the normal forces on each obstacle, by the same motions.
+  std::array<Eigen::Matrix<double, 1, Eigen::Dynamic, 1, 1, collision::kMostFreeDirections>,
+             collision::kMostObstacles>
+      dcontact_dobstacle;
+
   /// Smallest pivot of the static tangent divided by its diagonal entry: decreases to zero as the
   /// object approaches buckling (recommended warning level: one twentieth of its value at rest).
   double smallest_pivot = 0;
@@ -84,7 +95,7 @@ struct Sensitivity {
   ElementStress stress;
 
   /// Sets zeros for a mesh of `nodes` nodes, except for the stress. Allocates.
-  void resize(int nodes);
+  void resize(int nodes, int free_directions = 0);
 };
 
 /// Rotations since a snapshot.

@@ -1,6 +1,7 @@
 #include "core/elasticity/static_response.hpp"
 
 #include <Eigen/LU>
+#include <utility>
 
 namespace palpate::elasticity {
 namespace {
@@ -25,7 +26,7 @@ std::vector<Lame> lame_by_poisson(const Body& body) {
 /// Several changes p at once: their prescribed displacements and their loads. The first column of a
 /// kind that is not requested is -1.
 struct StaticResponse::Columns {
-  Columns(const Body& body, const Snapshot& at) {
+  Columns(const Body& body, const Snapshot& at, int free_directions) {
     for (std::size_t g = 0; g < body.grasps.size(); ++g) {
       if (at.held[g]) motion[g] = take(6);
     }
@@ -33,6 +34,7 @@ struct StaticResponse::Columns {
     for (int c = 0; c < kContactSlots; ++c) {
       if (at.contacts[c].count > 0) force[c] = take(3);
     }
+    if (!at.touching.empty()) obstacle = take(free_directions);
     const int padded = (count + 3) / 4 * 4;
     moved.setZero(3 * body.mesh.node_count(), padded);
     loaded = product = moved;
@@ -46,22 +48,26 @@ struct StaticResponse::Columns {
   std::array<int, 2> motion{-1, -1};
   int parameters = 0;
   std::array<int, kContactSlots> force{-1, -1, -1, -1};
+  int obstacle = -1;  // by free direction
   int count = 0;
   factor::NodalColumns moved, loaded;
   factor::NodalColumns product;  // K times moved
 };
 
 StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
-                               const factor::BlockPattern& pattern)
+                               const factor::BlockPattern& pattern,
+                               std::vector<collision::FreeDirection> free)
     : body_(body),
       pattern_(pattern),
+      free_(std::move(free)),
       nodal_mass_(elements.nodal_mass()),
       forces_(body.mesh, elements.materials()),
       poisson_forces_(body.mesh, lame_by_poisson(body)) {}
 
 void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
                              const factor::SupernodalFactor& factor, Sensitivity& out) {
-  out.resize(body_.mesh.node_count());
+  const int free = static_cast<int>(free_.size());
+  out.resize(body_.mesh.node_count(), free);
   Matrix3Xd internal, by_poisson;
   forces_.evaluate(at.positions, internal);
   poisson_forces_.evaluate(at.positions, by_poisson);
@@ -73,7 +79,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
       external.col(touching.point.nodes[i]) += touching.point.weights[i] * touching.force;
   }
 
-  Columns columns(body_, at);
+  Columns columns(body_, at, free);
   prescribe(at, columns);
   const auto stacked = [](const Matrix3Xd& m) {
     return Eigen::Map<const Eigen::VectorXd>(m.data(), m.size());
@@ -91,6 +97,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
   for (int c = 0; c < kContactSlots; ++c) {
     if (columns.force[c] >= 0) out.dx_dforce[c] = columns.moved.middleCols<3>(columns.force[c]);
   }
+  if (columns.obstacle >= 0) out.dx_dobstacle = columns.moved.middleCols(columns.obstacle, free);
   for (int g = 0; g < 2; ++g) {
     if (columns.motion[g] < 0) continue;
     const Wrenches w = wrenches(at, g, internal - external, columns);
@@ -102,6 +109,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
     for (int c = 0; c < kContactSlots; ++c) {
       if (columns.force[c] >= 0) out.dw_dforce[g][c] = w.middleCols<3>(columns.force[c]);
     }
+    if (columns.obstacle >= 0) out.dw_dobstacle[g] = w.middleCols(columns.obstacle, free);
   }
   out.smallest_pivot = factor.pivots(at.held).smallest;
   out.valid = true;
@@ -185,6 +193,15 @@ Carried carried(const TouchingPoint& touching, const Snapshot& at) {
   return by_hand;
 }
 
+/// The same by motion of the obstacle in a free direction.
+std::pair<Vector3d, Vector3d> displaced(const TouchingPoint& touching,
+                                        const collision::FreeDirection& direction,
+                                        const math::Pose& X_OB) {
+  const Vector3d axis = X_OB.linear().col(direction.axis % 3);
+  if (direction.axis < 3) return {axis, Vector3d::Zero()};
+  return {axis.cross(touching.position - X_OB.translation()), axis.cross(touching.normal)};
+}
+
 }  // namespace
 
 /// Adds to `moved` and `loaded` the effect of the contact forces, sets K x' in `product`, and the
@@ -214,6 +231,14 @@ void StaticResponse::add_contact(const Snapshot& at, const factor::BlockMatrix& 
       relative.middleRows<3>(3 * c) += weight * columns.moved.block(3 * node, 0, 3, columns.count);
       if (k >= 0) compliance.middleRows<3>(3 * c) += weight * responses.middleRows<3>(3 * k);
     }
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      if (free_[k].obstacle != touching.obstacle) continue;
+      const auto [displacement, normal] =
+          displaced(touching, free_[k], at.obstacles[touching.obstacle]);
+      const int column = columns.obstacle + static_cast<int>(k);
+      relative.block<3, 1>(3 * c, column) -= displacement;
+      normals.block<3, 1>(3 * c, column) = normal;
+    }
     if (touching.hand < 0 || columns.motion[touching.hand] < 0) continue;
     const Carried by_hand = carried(touching, at);
     relative.block<3, 6>(3 * c, columns.motion[touching.hand]) -= by_hand.displacement;
@@ -240,6 +265,8 @@ void StaticResponse::add_contact(const Snapshot& at, const factor::BlockMatrix& 
     if (touching.slips)
       by_change +=
           touching.force.transpose() * touching.normal_derivative * relative.middleRows<3>(3 * c);
+    out.dcontact_dobstacle[touching.obstacle] +=
+        by_change.segment(columns.obstacle, static_cast<Eigen::Index>(free_.size()));
     for (int g = 0; g < 2; ++g) {
       if (columns.motion[g] >= 0)
         out.dcontact_dxi[touching.obstacle][g] += by_change.segment<6>(columns.motion[g]);

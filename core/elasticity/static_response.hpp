@@ -29,6 +29,8 @@ struct Snapshot {
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();
   std::array<mesh::PointWeights, kContactSlots> contacts;  // count 0: not configured
   std::vector<TouchingPoint> touching;
+  /// X_OB of the obstacles, for their free directions.
+  std::array<math::Pose, collision::kMostObstacles> obstacles{};
 };
 
 /// Derivatives of static equilibrium from one factorisation of its exact tangent K: with free nodes
@@ -38,11 +40,13 @@ struct Snapshot {
 /// obstacle add unknown changes of their contact forces, by a Schur complement: a sticking point
 /// does not move; a slipping one moves across the normal, and its force keeps its direction
 /// relative to the normal, which turns with the surface of the obstacle. An obstacle that a hand
-/// carries moves with it. At a change between these states derivatives are one-sided. Allocates,
-/// does not throw.
+/// carries moves with it; a touched obstacle may move in its free directions. At a change between
+/// these states derivatives are one-sided. Allocates, does not throw.
 class StaticResponse {
  public:
-  StaticResponse(const Body& body, const ElementSet& elements, const factor::BlockPattern& pattern);
+  /// `free`: directions in which obstacles may move.
+  StaticResponse(const Body& body, const ElementSet& elements, const factor::BlockPattern& pattern,
+                 std::vector<collision::FreeDirection> free = {});
 
   /// `K`: tangent at the snapshot; `factor`: its factorisation, positive definite with the held
   /// grasps.
@@ -64,6 +68,7 @@ class StaticResponse {
 
   const Body& body_;
   const factor::BlockPattern& pattern_;
+  std::vector<collision::FreeDirection> free_;
   Eigen::VectorXd nodal_mass_;
   /// The latter with the derivative with respect to Poisson's ratio.
   MeshForces forces_, poisson_forces_;

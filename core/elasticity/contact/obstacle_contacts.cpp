@@ -270,8 +270,8 @@ double ObstacleContacts::farthest() const noexcept {
   return is_touching() ? options_.reach : std::numeric_limits<double>::infinity();
 }
 
-void ObstacleContacts::describe(std::vector<int>& samples,
-                                std::vector<TouchingPoint>& touching) const noexcept {
+void ObstacleContacts::describe(std::vector<int>& samples, Snapshot& snapshot) const noexcept {
+  std::vector<TouchingPoint>& touching = snapshot.touching;
   samples.clear();
   touching.clear();
   for (const SurfaceContact& contact : list_.contacts()) {
@@ -286,6 +286,7 @@ void ObstacleContacts::describe(std::vector<int>& samples,
     }
     const collision::Obstacle& obstacle = list_.obstacle_of(contact);
     point.obstacle = contact.obstacle;
+    snapshot.obstacles[static_cast<std::size_t>(contact.obstacle)] = obstacle.X_OB;
     point.hand = obstacle.hand;
     point.position = contact.position;
     point.slips = contact.slips;

@@ -55,9 +55,9 @@ class ObstacleContacts {
   /// Contact points, ordered by sample and obstacle.
   const std::vector<SurfaceContact>& contacts() const noexcept { return list_.contacts(); }
   bool is_touching() const noexcept;
-  /// Sets, for a new factor, the samples whose compliances are wanted, and the points under force,
-  /// in mesh numbering. Both have room for ContactOptions::most.
-  void describe(std::vector<int>& samples, std::vector<TouchingPoint>& touching) const noexcept;
+  /// Sets, for a new factor, the samples whose compliances are wanted, the points under force, in
+  /// mesh numbering, and the poses of obstacles. Both lists have room for ContactOptions::most.
+  void describe(std::vector<int>& samples, Snapshot& snapshot) const noexcept;
   /// Number of points beyond the largest number, omitted in the last step.
   int omitted() const noexcept { return list_.omitted(); }
   /// Removes all contacts.

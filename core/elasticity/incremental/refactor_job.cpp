@@ -13,11 +13,14 @@ RefactorJob::RefactorJob(const NumberedBody& body, const SolverOptions& options,
       warped_(pattern_),
       mass_(mass_blocks(body.elements, pattern_)),
       factorisation_(body.supernodes),
-      response_(body.body, body.elements, pattern_),
+      response_(body.body, body.elements, pattern_,
+                collision::free_directions(options.contact.obstacles)),
       stress_(make_stress_evaluator(body.elements)) {
   snapshot.positions = body.body.mesh.nodes;
   snapshot.loads.setZero(3, body.node_count());
-  sensitivity.resize(body.node_count());
+  sensitivity.resize(
+      body.node_count(),
+      static_cast<int>(collision::free_directions(options.contact.obstacles).size()));
   const std::size_t most = samples.empty() ? 0 : options.contact.most;
   contact_samples.reserve(most);
   snapshot.touching.reserve(most);

@@ -9,10 +9,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 TrackedSensitivity::TrackedSensitivity(const NumberedBody& body, const BoundaryConditions& boundary,
-                                       const NodeWarp& warp)
+                                       const NodeWarp& warp, int free_directions)
     : body_(body), boundary_(boundary), warp_(warp) {
-  published_.resize(body.node_count());
-  at_snapshot_.resize(body.node_count());
+  published_.resize(body.node_count(), free_directions);
+  at_snapshot_.resize(body.node_count(), free_directions);
 }
 
 void TrackedSensitivity::install(Sensitivity& computed, const std::array<math::Pose, 2>& grasps,

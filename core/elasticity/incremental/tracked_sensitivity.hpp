@@ -12,9 +12,10 @@ namespace palpate::elasticity {
 /// nodes, hands and contacts since.
 class TrackedSensitivity {
  public:
-  /// All must outlive this object. `warp`: rotations of the nodes since the snapshot.
+  /// All must outlive this object. `warp`: rotations of the nodes since the snapshot;
+  /// `free_directions`: number of those of the obstacles.
   TrackedSensitivity(const NumberedBody& body, const BoundaryConditions& boundary,
-                     const NodeWarp& warp);
+                     const NodeWarp& warp, int free_directions);
 
   const Sensitivity& published() const noexcept { return published_; }
   const Sensitivity& at_snapshot() const noexcept { return at_snapshot_; }

@@ -75,7 +75,7 @@ void ContactNewton::refactor() {
       parts_.factorisation.factorise(parts_.matrix) && parts_.factorisation.is_positive(held);
   fresh.usable = fresh.exact && fresh.panels.assign(parts_.factorisation);
   fresh.rotations = parts_.factor.measure_rotations(parts_.potential.elements());
-  contacts_.describe(wanted_, touching_);
+  contacts_.describe(wanted_, snapshot_);
   fresh.columns.fill(wanted_, parts_.factorisation, held);
   parts_.factor.install(fresh, 0, parts_.potential.elements());
   contacts_.forget_compliances();

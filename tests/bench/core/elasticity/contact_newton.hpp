@@ -55,7 +55,7 @@ class ContactNewton {
   elasticity::ObstacleContacts contacts_;
   elasticity::QuasiNewton corrections_;
   std::vector<int> wanted_;  // samples whose compliances are needed
-  std::vector<elasticity::TouchingPoint> touching_;
+  elasticity::Snapshot snapshot_;
   int iterations_ = 0;
 };
 

@@ -40,14 +40,18 @@ class Pressed {
   const math::Pose& hand() const { return hand_; }
   CorotationalModel& model() { return model_; }
 
-  /// Positions, stacked, with the hand at `pose`.
-  VectorXd move(const math::Pose& pose) {
+  /// Positions, stacked, with the hand at `pose` and the obstacle displaced in its frame.
+  VectorXd move(const math::Pose& pose,
+                const math::Vector6d& displacement = math::Vector6d::Zero()) {
     model_.hold(0, pose);
-    if (obstacle_.hand == 0) {
-      collision::Placement placement;
-      placement.X_OB = pose * body_.grasps[0].X_OG_rest.inverse() * obstacle_.X_OB;
-      model_.place_obstacle(0, placement);
-    }
+    std::vector<collision::Placement> placements(1);
+    placements[0].X_OB = obstacle_.X_OB;
+    if (obstacle_.hand == 0)
+      placements[0].X_OB = pose * body_.grasps[0].X_OG_rest.inverse() * obstacle_.X_OB;
+    collision::FreeMotion motion;
+    std::copy_n(displacement.data(), 6, motion.begin());
+    collision::displace(collision::free_directions({obstacle_}), motion, placements);
+    model_.place_obstacle(0, placements[0]);
     for (int i = 0; i < 60; ++i) {
       const StepReport report = model_.step(kDt);
       refactor(model_);
@@ -165,6 +169,42 @@ TEST_P(ContactSensitivity, OfHandMotionAndForceEqualsCentralDifferences) {
     model.loads()(axis, loaded) = 0;
     EXPECT_LT(relative(sensitivity.dx_dforce[0].col(axis), (ahead - behind) / (2 * force)), 1e-4)
         << axis;
+  }
+}
+
+TEST_P(ContactSensitivity, OfMotionOfTheObstacleEqualsCentralDifferences) {
+  collision::Obstacle obstacle = GetParam().obstacle;
+  obstacle.pose_deviation.setOnes();
+  Pressed pressed(obstacle);
+  const auto states = pressed.states();
+  CorotationalModel& model = pressed.model();
+  pressed.move(pressed.hand());
+  model.watch_contact(0, {});  // a fresh factor
+  refactor(model);
+  model.step(kDt);
+  const Sensitivity sensitivity = model.sensitivity();
+  ASSERT_EQ(sensitivity.dx_dobstacle.cols(), 6);
+  const double largest = sensitivity.dx_dobstacle.colwise().norm().maxCoeff();
+  ASSERT_GT(largest, 0.1);
+  for (int k = 0; k < 6; ++k) {
+    const double step = k < 3 ? 2e-6 : 2e-5;
+    const VectorXd ahead = pressed.move(pressed.hand(), step * math::Vector6d::Unit(k));
+    const math::Vector6d w_ahead = model.reaction(0).vector();
+    const double force_ahead = normal_force(model);
+    EXPECT_EQ(pressed.states(), states) << "the state has changed";
+    const VectorXd behind = pressed.move(pressed.hand(), -step * math::Vector6d::Unit(k));
+    const math::Vector6d w_behind = model.reaction(0).vector();
+    const double force_change = (force_ahead - normal_force(model)) / (2 * step);
+    EXPECT_NEAR(sensitivity.dcontact_dobstacle[0][k], force_change,
+                1e-3 * sensitivity.dcontact_dobstacle[0].norm())
+        << k;
+    EXPECT_EQ(pressed.states(), states) << "the state has changed";
+    pressed.move(pressed.hand());
+    const VectorXd difference = (ahead - behind) / (2 * step);
+    EXPECT_LT((sensitivity.dx_dobstacle.col(k) - difference).norm(), 2e-4 * largest) << k;
+    EXPECT_LT((sensitivity.dw_dobstacle[0].col(k) - (w_ahead - w_behind) / (2 * step)).norm(),
+              1e-3 * sensitivity.dw_dobstacle[0].norm())
+        << k;
   }
 }
 
