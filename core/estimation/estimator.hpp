@@ -70,6 +70,9 @@ struct Estimate {
   std::array<math::Vector6d, 2> bias{math::Vector6d::Zero(), math::Vector6d::Zero()};
   std::array<math::Vector6d, 2> bias_deviation{kNotEstimated, kNotEstimated};
   double log_young_modulus_deviation = -1;
+  /// Motion of obstacles from their configured poses, by free direction (collision), that the shape
+  /// follows, and its standard deviations; m, rad, in B.
+  collision::FreeMotion obstacle_motion{}, obstacle_deviation{};
   double innovation_test = -1;  // normalised innovation squared per degree of freedom
   UnknownContact unknown_contact;
   /// Standard deviation of each mesh node's position, m, root mean square over the axes; nullptr:

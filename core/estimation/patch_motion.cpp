@@ -1,6 +1,7 @@
 #include "core/estimation/patch_motion.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "core/estimation/virtual_loads.hpp"
 
@@ -39,6 +40,9 @@ void PatchMotion::update(const elasticity::DeformationModel& model, const Wrench
     if (!model.is_held(g)) continue;
     wrench.block<6, 1>(6 * g, filter.log_young()) =
         sensitivity.dw_dparameter[g].col(elasticity::Sensitivity::kLogYoung);
+    const int free = std::min<int>(filter.free_directions(),
+                                   static_cast<int>(sensitivity.dw_dobstacle[g].cols()));
+    wrench.block(6 * g, filter.obstacle(), 6, free) = sensitivity.dw_dobstacle[g].leftCols(free);
     for (int k = 0; filter.has_loads() && k < VirtualLoads::kCount; ++k)
       wrench.block<6, 3>(6 * g, load + 3 * k) = sensitivity.dw_dforce[g][k];
   }

@@ -24,7 +24,8 @@ class PatchMotion {
               const std::array<math::Pose, 2>& X_OG, double stiffness) noexcept;
 
   /// Derivative of the model's inputs with respect to the shape states: rows of grasps are motions
-  /// of their patches (m, rad, in O), the others log E and virtual loads (N).
+  /// of their patches (m, rad, in O), the others log E, motions of obstacles (m, rad) and
+  /// virtual loads (N).
   const WrenchFilter::ShapeMatrix& by_state() const noexcept { return by_state_; }
   /// (I + K C)^-1, six rows per grasp: maps wrenches of rigidly held patches to those of the hands.
   const Wrenches& felt() const noexcept { return felt_; }

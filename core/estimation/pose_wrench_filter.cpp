@@ -107,6 +107,10 @@ void PoseWrenchFilter::take_over(const Estimate& last,
       carry_over(filter.bias(g) + i, last.bias[g][i], last.bias_deviation[g][i], filter);
     }
   }
+  for (int k = 0; k < filter.free_directions(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    carry_over(filter.obstacle() + k, last.obstacle_motion[i], last.obstacle_deviation[i], filter);
+  }
   guard_.take_over(filter);
 }
 
@@ -216,6 +220,12 @@ void PoseWrenchFilter::write_estimate(const elasticity::DeformationModel& model,
   estimate.log_young_modulus_deviation =
       filter.is_observed(log_young) ? filter.deviation(log_young) : -1;
   estimate.poisson_ratio = model.body().material.poisson_ratio;
+  for (int k = 0; k < filter.free_directions(); ++k) {
+    const int state = filter.obstacle() + k;
+    const auto i = static_cast<std::size_t>(k);
+    estimate.obstacle_motion[i] = mean[state] + state_.shift[state];
+    estimate.obstacle_deviation[i] = filter.deviation(state);
+  }
   estimate.innovation_test = wrenches_.innovation_test();
   estimate.unknown_contact = contact_.estimate(filter, model);
   const WrenchConsistency& test = guard_.test();

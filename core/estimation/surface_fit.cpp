@@ -100,6 +100,8 @@ void SurfaceFit::add_node(const Basis& basis, int node, double weight, NodeRows&
   }
   rows.col(filter.log_young()) +=
       weight * s.dx_dparameter.middleRows<3>(3 * node).col(elasticity::Sensitivity::kLogYoung);
+  const Eigen::Index free = std::min<Eigen::Index>(filter.free_directions(), s.dx_dobstacle.cols());
+  rows.middleCols(filter.obstacle(), free) += weight * s.dx_dobstacle.block(3 * node, 0, 3, free);
   for (int k = 0; k < VirtualLoads::kCount; ++k)
     rows.middleCols<3>(filter.load() + 3 * k) += weight * s.dx_dforce[k].middleRows<3>(3 * node);
 }

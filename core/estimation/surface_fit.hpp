@@ -73,8 +73,8 @@ class SurfaceFit {
 
   using NodeRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, WrenchFilter::kMostShape>;
   /// Adds `weight` times the derivative of a node's position with respect to the patches' motions,
-  /// log E and virtual loads, 3 x shape_size(). Multiplied by PatchMotion::by_state() it is the
-  /// derivative with respect to the states.
+  /// log E, obstacles and virtual loads, 3 x shape_size(). Multiplied by PatchMotion::by_state() it
+  /// is the derivative with respect to the states.
   static void add_node(const Basis& basis, int node, double weight, NodeRows& rows) noexcept;
 
  private:

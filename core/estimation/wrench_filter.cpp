@@ -9,7 +9,7 @@
 namespace palpate::estimation {
 
 WrenchFilter::WrenchFilter(int grasps, const Options& options)
-    : grasps_(grasps), options_(options) {
+    : grasps_(grasps), free_(static_cast<int>(options.obstacles.size())), options_(options) {
   math::check_option(grasps >= 1 && grasps <= 2, "grasps", grasps, "1, 2");
   math::check_positive_finite(options.position, "position");
   math::check_positive_finite(options.rotation, "rotation");
@@ -18,6 +18,10 @@ WrenchFilter::WrenchFilter(int grasps, const Options& options)
   math::check_positive_finite(options.bias_torque, "bias_torque");
   math::check_positive_finite(options.memory, "memory");
   math::check_positive_finite(options.load_memory, "load_memory");
+  math::check_option(free_ <= collision::kMostFreeDirections, "obstacles", free_,
+                     "at most " + std::to_string(collision::kMostFreeDirections));
+  for (const collision::FreeDirection& direction : options.obstacles)
+    math::check_positive_finite(direction.deviation, "obstacles");
   prior_ = Vector::Zero(size());
   for (int g = 0; g < grasps; ++g) {
     prior_.segment<3>(offset(g)).setConstant(options.position * options.position);
@@ -26,6 +30,8 @@ WrenchFilter::WrenchFilter(int grasps, const Options& options)
     prior_.segment<3>(bias(g) + 3).setConstant(options.bias_torque * options.bias_torque);
   }
   prior_[log_young()] = options.log_young * options.log_young;
+  for (int k = 0; k < free_; ++k)
+    prior_[obstacle() + k] = std::pow(options.obstacles[static_cast<std::size_t>(k)].deviation, 2);
   reset();
 }
 
@@ -133,7 +139,7 @@ void WrenchFilter::end_contact() noexcept {
 }
 
 void WrenchFilter::assume(const Vector& mean, const Covariance& covariance) noexcept {
-  const int known = 6 * grasps_ + 1, biases = 6 * grasps_;
+  const int known = load(), biases = 6 * grasps_;
   mean_.head(known) = mean.head(known);
   mean_.segment(bias(0), biases) = mean.tail(biases);
   P_.topLeftCorner(known, known) = covariance.topLeftCorner(known, known);

@@ -1,16 +1,21 @@
 #pragma once
 
+#include <vector>
+
+#include "core/collision/free_directions.hpp"
 #include "core/math/rigid.hpp"
 
 namespace palpate::estimation {
 
 /// Kalman filter on the wrenches of one or two hands. States: for each grasp the offset from its
 /// kinematic pose (m, rad, in G) and the bias of its wrench (N, N m, in G); the logarithm of
-/// Young's modulus over its nominal value; virtual loads on the object (N, in O), which represent
-/// model errors, once the shape is observed; and one unmodelled external force on the object (N, in
-/// O). All but the forces follow a stationary process about zero with their prior deviation and
-/// forget information within `memory` seconds, so that the filter's confidence is bounded by the
-/// stationarity of its environment. Reference: docs/theory.md, section 4. Nothing allocates.
+/// Young's modulus over its nominal value; the motion of obstacles in their free directions from
+/// their configured poses (m, rad, in B; collision::free_directions); virtual loads on the object
+/// (N, in O), which represent model errors, once the shape is observed; and one unmodelled external
+/// force on the object (N, in O). All but the forces follow a stationary process about zero with
+/// their prior deviation and forget information within `memory` seconds, so that the filter's
+/// confidence is bounded by the stationarity of its environment. Reference: docs/theory.md,
+/// section 4. Nothing allocates.
 class WrenchFilter {
  public:
   struct Options {
@@ -24,10 +29,12 @@ class WrenchFilter {
     double bias_torque = 0.08;  // N m
     double memory = 300;        // s
     double load_memory = 30;    // s, in which virtual loads drift by their prior deviation
+    std::vector<collision::FreeDirection> obstacles;  // directions in which they may be displaced
   };
   static constexpr int kLoads = 6;
-  static constexpr int kMostStates = 34;
-  static constexpr int kMostShape = 19;  // maximum number of states that influence the shape
+  static constexpr int kMostStates = 34 + collision::kMostFreeDirections;
+  /// Maximum number of states that influence the shape.
+  static constexpr int kMostShape = 19 + collision::kMostFreeDirections;
   static constexpr int kMostRows = 12;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
   using Covariance =
@@ -76,15 +83,17 @@ class WrenchFilter {
   bool has_contact() const noexcept { return has_contact_; }
 
   /// Replaces mean and covariance of the states without forces by what is known of them from
-  /// elsewhere: offsets of the grasps, logarithm of Young's modulus and biases, in the order of the
-  /// states. Only without virtual loads and without an unknown force.
+  /// elsewhere: offsets of the grasps, logarithm of Young's modulus, motion of obstacles and
+  /// biases, in the order of the states. Only without virtual loads and without an unknown force.
   void assume(const Vector& mean, const Covariance& covariance) noexcept;
 
   int grasp_count() const noexcept { return grasps_; }
   int size() const noexcept { return contact() + 3; }
   int offset(int grasp) const noexcept { return 6 * grasp; }  // index of the first state of a part
   int log_young() const noexcept { return 6 * grasps_; }
-  int load() const noexcept { return log_young() + 1; }
+  int obstacle() const noexcept { return log_young() + 1; }
+  int free_directions() const noexcept { return free_; }
+  int load() const noexcept { return obstacle() + free_; }
   // the states that influence the shape come first
   int shape_size() const noexcept { return load() + kLoads; }
   int bias(int grasp) const noexcept { return shape_size() + 6 * grasp; }
@@ -99,6 +108,7 @@ class WrenchFilter {
 
  private:
   int grasps_;
+  int free_;  // directions of obstacles
   Options options_;
   Vector prior_;  // variances; those of the contact are separate
   Vector mean_;

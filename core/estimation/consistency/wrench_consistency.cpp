@@ -40,7 +40,8 @@ WrenchKnowledge prior_knowledge(const elasticity::Body& body, const WrenchFilter
   math::check_not_negative(options.position_error, "position_error");
   math::check_not_negative(options.rotation_error, "rotation_error");
   math::check_positive_finite(options.false_alarms, "false_alarms");
-  const WrenchStates states{static_cast<int>(body.grasps.size())};
+  const WrenchStates states{static_cast<int>(body.grasps.size()),
+                            static_cast<int>(priors.obstacles.size())};
   WrenchKnowledge::Vector deviations = WrenchKnowledge::Vector::Zero(states.count());
   const auto six = [&deviations](int first, double linear, double angular) {
     deviations.segment<6>(first) << Eigen::Vector3d::Constant(linear),
@@ -53,6 +54,8 @@ WrenchKnowledge prior_knowledge(const elasticity::Body& body, const WrenchFilter
     six(states.pose_error(g), options.position_error, options.rotation_error);
     six(states.wrench_error(g), options.pose_error, options.pose_error);
   }
+  for (int k = 0; k < states.free_directions; ++k)
+    deviations[states.obstacle() + k] = priors.obstacles[static_cast<std::size_t>(k)].deviation;
   deviations.segment<3>(states.log_young()) << priors.log_young, options.poisson, options.density;
   return {states, deviations, priors.memory};
 }
@@ -68,10 +71,11 @@ std::array<WrenchKnowledge, sizeof...(kIndex)> copies(const WrenchKnowledge& kno
 
 WrenchConsistency::WrenchConsistency(const elasticity::Body& body, const WrenchSampling& sampling,
                                      const WrenchFilter::Options& priors, const Options& options)
-    : states_{static_cast<int>(body.grasps.size())},
+    : states_{static_cast<int>(body.grasps.size()), static_cast<int>(priors.obstacles.size())},
       sampling_(sampling),
       options_(options),
       threshold_(chi_square_6(options.false_alarms / kTestsPerHour) / kHandRows),
+      touch_(priors.obstacles),
       prior_(prior_knowledge(body, priors, options)),
       initial_(prior_),
       now_(prior_),
@@ -112,6 +116,7 @@ void WrenchConsistency::take_over(const WrenchFilter& filter) noexcept {
     assume(states_.bias(g), filter.bias(g), 6);
   }
   assume(states_.log_young(), filter.log_young(), 1);
+  assume(states_.obstacle(), filter.obstacle(), states_.free_directions);
   now_ = initial_;
 }
 
@@ -148,6 +153,8 @@ void WrenchConsistency::linearise(const Innovation& now, const FusedState& state
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
   const int log_young = states_.log_young();
   const double stiffness = std::exp(filter.mean()[filter.log_young()]);
+  const int obstacle = states_.obstacle(), free = states_.free_directions;
+  touch_.take(model, stiffness);
   for (int g = 0, row = 0; g < states_.grasps; ++g) {
     HandRecord& hand = record_[g];
     hand.travel += now.travel[g];
@@ -164,6 +171,11 @@ void WrenchConsistency::linearise(const Innovation& now, const FusedState& state
       hand.H.middleCols<6>(states_.pose_error(other)) = by_offset / stiffness;
       displaced += by_offset * filter.mean().segment<6>(filter.offset(other));
     }
+    const UncertainTouch::Wrench touch =
+        touch_.linearise(rows.middleCols(filter.obstacle(), free),
+                         now_.covariance().block(obstacle, obstacle, free, free));
+    hand.H.middleCols(obstacle, free) = touch.by_direction / stiffness;
+    displaced += touch.by_direction * filter.mean().segment(filter.obstacle(), free);
     const auto by_bias = rows.middleCols<6>(filter.bias(g));
     hand.H.middleCols<6>(states_.bias(g)) = by_bias;
     hand.H.col(log_young) = (rows.col(filter.log_young()) - displaced) / stiffness;
@@ -173,10 +185,10 @@ void WrenchConsistency::linearise(const Innovation& now, const FusedState& state
       hand.H.middleCols<2>(log_young + 1) += state.stiffness() * felt.middleCols<6>(6 * other) *
                                              sensitivity.dw_dparameter[other].rightCols<2>();
     }
-    y += displaced + (stiffness - 1) * hand.H.col(log_young) +
+    y += displaced - touch.excess + (stiffness - 1) * hand.H.col(log_young) +
          by_bias * filter.mean().segment<6>(filter.bias(g));
     sums_[g] += y;
-    hand.R = now.noise.block<6, 6>(row, row);
+    hand.R = now.noise.block<6, 6>(row, row) + touch.covariance;
     hand.size = now_.size_of_wrench(hand, now.measured.segment<6>(row) - y, lever_[g]);
     row += 6;
   }

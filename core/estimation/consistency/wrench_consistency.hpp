@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/estimation/consistency/uncertain_touch.hpp"
 #include "core/estimation/consistency/wrench_states.hpp"
 #include "core/estimation/discrepancy_report.hpp"
 #include "core/estimation/fused_state.hpp"
@@ -95,6 +96,7 @@ class WrenchConsistency {
   Options options_;
   std::array<double, 2> lever_{};
   double threshold_;
+  UncertainTouch touch_;
   WrenchKnowledge prior_;
   WrenchKnowledge initial_;  // the prior, or what was known at the last resume()
   WrenchKnowledge now_;

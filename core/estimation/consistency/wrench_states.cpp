@@ -49,10 +49,13 @@ void WrenchKnowledge::advance(const WrenchRecord& record) noexcept {
   covariance_.diagonal().head(count).array() += (1 - kept.array().square()) * stationary_.array();
 }
 
-/// N, N m, of a hand for the nominal stiffness, by the displacements of all grasps.
+/// N, N m, of a hand for the nominal stiffness, by the displacements of all grasps and of
+/// obstacles.
 math::Vector6d WrenchKnowledge::by_displacements(const HandRecord& hand,
                                                  const Vector& mean) const noexcept {
-  math::Vector6d wrench = math::Vector6d::Zero();
+  const int obstacle = states_.obstacle(), free = states_.free_directions;
+  math::Vector6d wrench =
+      hand.H.middleCols(obstacle, free).lazyProduct(mean.segment(obstacle, free));
   for (int g = 0; g < states_.grasps; ++g) {
     for (const int first : {states_.offset(g), states_.pose_error(g)})
       wrench += hand.H.middleCols<6>(first) * mean.segment<6>(first);
@@ -78,6 +81,7 @@ WrenchKnowledge::Linearised WrenchKnowledge::linearise(const HandRecord& hand,
     for (const int first : {states_.offset(g), states_.pose_error(g)})
       H.middleCols<6>(first) *= factor;
   }
+  H.middleCols(states_.obstacle(), states_.free_directions) *= factor;
   H.col(log_young) = factor * elastic;
   const int stiffness = states_.stiffness(hand.grasp);
   H.middleCols<6>(stiffness).diagonal() = factor * elastic;
@@ -156,13 +160,14 @@ void WrenchKnowledge::forget(int first) noexcept {
 }
 
 void WrenchKnowledge::write(Vector& mean, Matrix& covariance) const noexcept {
-  const int offsets = 6 * states_.grasps;
-  Matrix select = Matrix::Zero(2 * offsets + 1, mean_.size());
+  const int offsets = 6 * states_.grasps, free = states_.free_directions;
+  Matrix select = Matrix::Zero(2 * offsets + 1 + free, mean_.size());
   select.leftCols(offsets).topRows(offsets).setIdentity();
   for (int g = 0; g < states_.grasps; ++g)
     select.block<6, 6>(states_.offset(g), states_.pose_error(g)).setIdentity();
   select(offsets, states_.log_young()) = 1;
-  select.block(offsets + 1, states_.bias(0), offsets, offsets).setIdentity();
+  select.block(offsets + 1, states_.obstacle(), free, free).setIdentity();
+  select.block(offsets + 1 + free, states_.bias(0), offsets, offsets).setIdentity();
   mean.noalias() = select * mean_;
   Matrix half(select.rows(), mean_.size());
   half.noalias() = select * covariance_;
@@ -182,6 +187,8 @@ math::Vector6d WrenchKnowledge::size_of_wrench(const HandRecord& hand,
     for (const int first : {states_.offset(g), states_.pose_error(g)})
       J.middleCols<6>(first) = hand.H.middleCols<6>(first);
   }
+  J.middleCols(states_.obstacle(), states_.free_directions) =
+      hand.H.middleCols(states_.obstacle(), states_.free_directions);
   JP.noalias() = J * covariance_;
   const math::Vector6d variance = JP.cwiseProduct(J).rowwise().sum().cwiseMax(0.0);
   const double force = std::sqrt(wrench.head<3>().squaredNorm() + variance.head<3>().sum());

@@ -10,12 +10,14 @@ namespace palpate::estimation {
 /// its nominal value; for each hand the relative errors of the elastic part of each component of
 /// its wrench (stiffness that differs between tension, bending and torsion, in O), and two errors
 /// that vary with its pose: of the grasp (m, rad, in G), and of the predicted wrench relative to
-/// its size (in O). Causes of a discrepancy may append states of their own.
+/// its size (in O); the motion of obstacles in their free
+/// directions (m, rad, in B). Causes of a discrepancy may append states of their own.
 struct WrenchStates {
   static constexpr int kMostAppended = 15;
-  static constexpr int kMost = 63 + kMostAppended;
+  static constexpr int kMost = 63 + collision::kMostFreeDirections + kMostAppended;
 
   int grasps = 1;
+  int free_directions = 0;  // of obstacles
 
   int offset(int grasp) const noexcept { return 6 * grasp; }
   int bias(int grasp) const noexcept { return 6 * grasps + 6 * grasp; }
@@ -23,7 +25,8 @@ struct WrenchStates {
   int stiffness(int grasp) const noexcept { return log_young() + 3 + 6 * grasp; }
   int pose_error(int grasp) const noexcept { return stiffness(grasps) + 6 * grasp; }
   int wrench_error(int grasp) const noexcept { return pose_error(grasps) + 6 * grasp; }
-  int count() const noexcept { return wrench_error(grasps); }  // without appended states
+  int obstacle() const noexcept { return wrench_error(grasps); }
+  int count() const noexcept { return obstacle() + free_directions; }  // without appended states
 };
 
 /// s, correlation time of the errors of a moving hand: records within it carry the information of
@@ -36,8 +39,8 @@ struct HandRecord {
 
   bool valid = false;
   int grasp = 0;
-  /// Dependence on offsets, biases, material and errors of the pose, for the nominal parameters;
-  /// other columns are zero.
+  /// Dependence on offsets, biases, material, errors of the pose and obstacles, for the nominal
+  /// parameters; other columns are zero.
   Rows H;
   math::Vector6d y;     // N, N m, at G in O: measured minus predicted for the nominal parameters
   math::Matrix6d R;     // covariance of the noise of y
@@ -48,7 +51,7 @@ struct HandRecord {
 using WrenchRecord = std::array<HandRecord, 2>;
 
 /// Mean and covariance of WrenchStates and appended states: an extended Kalman filter. The elastic
-/// part of a wrench is proportional to E, also where offsets of the grasps cause it.
+/// part of a wrench is proportional to E, also where offsets of the grasps or obstacles cause it.
 class WrenchKnowledge {
  public:
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, WrenchStates::kMost, 1>;
@@ -87,12 +90,12 @@ class WrenchKnowledge {
   void diffuse(int first, const Matrix& covariance) noexcept;
   /// Without appended states, of which the first six are added to those from `into` on.
   WrenchKnowledge folded(int into) const noexcept;
-  /// Replaces what is known of six states from `first` on, or of log E, by independent ones.
+  /// Replaces what is known of states from `first` on by independent ones.
   void assume(int first, const Vector& mean, const Vector& deviations) noexcept;
   /// Forgets what is known of six states from `first` on.
   void forget(int first) noexcept;
   /// What is known of the states that a WrenchFilter has too, in its order: the offsets with their
-  /// present errors, log E, the biases.
+  /// present errors, log E, the obstacles, the biases.
   void write(Vector& mean, Matrix& covariance) const noexcept;
   /// N, N m, size of a hand's force and torque under the object alone, by component, from the
   /// predicted wrench for the nominal parameters, the means and the deviations of the grasps.
