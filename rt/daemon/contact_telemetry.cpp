@@ -15,9 +15,11 @@ void put_vector(const Eigen::Vector3d& v, float (&out)[3]) noexcept {
 }  // namespace
 
 static_assert(contacts_t::MOST_OBSTACLES == collision::kMostObstacles);
+static_assert(obstacles_t::MOST == collision::kMostObstacles);
 
 ContactTelemetry::ContactTelemetry(bus::MessageBus& control, std::int64_t session)
-    : contacts_(control, channel::kContacts, session, bus::Urgency::kLater) {}
+    : contacts_(control, channel::kContacts, session, bus::Urgency::kLater),
+      obstacles_(control, channel::kObstacles, session, bus::Urgency::kLater) {}
 
 void ContactTelemetry::publish(const pipeline::Pipeline& pipeline, std::int64_t utime) noexcept {
   const sensing::ContactSet& contacts = pipeline.contacts();
@@ -35,6 +37,29 @@ void ContactTelemetry::publish(const pipeline::Pipeline& pipeline, std::int64_t 
   for (std::size_t i = 0; i < names.size(); ++i) bus::put_text(message_.obstacle_name[i], names[i]);
   put_predicted(pipeline.model().contacts());
   contacts_.publish(message_, utime);
+  constexpr std::int64_t kPeriod = 10000;  // us
+  if (!names.empty() && utime - poses_.utime >= kPeriod) publish_obstacles(pipeline, utime);
+}
+
+void ContactTelemetry::publish_obstacles(const pipeline::Pipeline& pipeline,
+                                         std::int64_t utime) noexcept {
+  const pipeline::ObstacleMotion& obstacles = pipeline.obstacles();
+  const std::vector<std::string>& names = obstacles.names();
+  poses_.count = static_cast<int>(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    bus::put_text(poses_.name[i], names[i]);
+    const math::Pose X_WB = obstacles.X_WB(i);
+    poses_.is_placed[i] = obstacles.placements()[i].is_known ? 1 : 0;
+    std::copy_n(X_WB.translation().data(), 3, poses_.position[i]);
+    math::wxyz_from_rotation(X_WB.linear(), poses_.quaternion[i]);
+  }
+  const estimation::Estimate& estimate = pipeline.estimate();
+  for (std::size_t k = 0; k < obstacles.free_directions().size(); ++k) {
+    const collision::FreeDirection& direction = obstacles.free_directions()[k];
+    poses_.displacement[direction.obstacle][direction.axis] = estimate.obstacle_motion[k];
+    poses_.deviation[direction.obstacle][direction.axis] = estimate.obstacle_deviation[k];
+  }
+  obstacles_.publish(poses_, utime);
 }
 
 void ContactTelemetry::put_predicted(

@@ -8,7 +8,7 @@ using Kind = registry::ObstacleCarrier::Kind;
 
 ObstacleMotion::ObstacleMotion(const std::vector<registry::ConfiguredObstacle>& obstacles,
                                const math::Pose& X_WO)
-    : X_OW_(X_WO.inverse()) {
+    : X_WO_(X_WO), X_OW_(X_WO.inverse()) {
   for (const registry::ConfiguredObstacle& obstacle : obstacles) {
     const collision::Obstacle& body = obstacle.limited.body;
     carriers_.push_back(obstacle.carrier);
@@ -17,9 +17,12 @@ ObstacleMotion::ObstacleMotion(const std::vector<registry::ConfiguredObstacle>& 
     if (obstacle.carrier.kind == Kind::kMessages) moved_.push_back(body.name);
     ages_.push_back(std::numeric_limits<double>::infinity());
   }
+  free_ = registry::free_directions(obstacles);
+  displaced_ = placements_;
 }
 
-UpdateResult ObstacleMotion::update(const sensing::Signals& signals, bool joints_known) noexcept {
+UpdateResult ObstacleMotion::update(const sensing::Signals& signals, bool joints_known,
+                                    const collision::FreeMotion& displacement) noexcept {
   UpdateResult result;
   late_ = "";
   for (std::size_t i = 0; i < placements_.size(); ++i) {
@@ -39,6 +42,8 @@ UpdateResult ObstacleMotion::update(const sensing::Signals& signals, bool joints
     else
       result.reason = "no message has moved this obstacle yet";
   }
+  displaced_ = placements_;
+  collision::displace(free_, displacement, displaced_);
   return result;
 }
 

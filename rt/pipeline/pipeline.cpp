@@ -14,7 +14,8 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
     arms_[i].known = by_arm[i]->robot.freshness != Freshness::kNoData;
     find_joints(arms_[i]);
   }
-  obstacle_condition_.apply(obstacles_->update(signals, arms_[0].joints_known));
+  obstacle_condition_.apply(
+      obstacles_->update(signals, arms_[0].joints_known, components_->estimate.obstacle_motion));
   obstacle_condition_.component = obstacles_->late();
   contacts_.count = 0;
   for (ComponentSet::Sensing& instance : components_->sensing) {

@@ -242,6 +242,14 @@ OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
               &Options::fade, 1e-3);
 }
 
+std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(
+    const PoseWrenchFilter::Options& configured, const config::Node& /*node*/,
+    const Context& context) {
+  PoseWrenchFilter::Options options = configured;
+  options.filter.obstacles = free_directions(context.object->obstacles);
+  return std::make_unique<PoseWrenchFilter>(context.object->body, context.object->surface, options);
+}
+
 }  // namespace
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
@@ -259,7 +267,7 @@ std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                fingertip_driven_options(), from_options<FingertipDriven>())
           .add("pose_wrench_filter",
                "Shape, stiffness and contacts from pose, wrench and observed surface points",
-               pose_wrench_filter_options(), from_options<PoseWrenchFilter>());
+               pose_wrench_filter_options(), make_pose_wrench_filter);
   return slot.make(node, context);
 }
 

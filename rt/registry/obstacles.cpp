@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/math/constants.hpp"
 #include "rt/config/mesh_file.hpp"
 #include "rt/registry/arm_model.hpp"
 
@@ -122,6 +123,24 @@ ObstacleCarrier read_carrier(const config::Node& node, const config::Node& root,
   return carrier;
 }
 
+math::Vector6d read_pose_deviation(const config::Node& node) {
+  math::Vector6d deviation = math::Vector6d::Zero();
+  if (!node.has("pose_deviation")) return deviation;
+  const config::Node part = node.child({"pose_deviation", "",
+                                        "What pose_wrench_filter may correct in the pose of the "
+                                        "obstacle, by the wrenches and the observed shape: prior "
+                                        "standard deviations in its own frame, in at most 6 "
+                                        "directions of all obstacles; 0: known exactly"});
+  if (part.has("position"))
+    deviation.head<3>() =
+        part.vector3({"position", "m", "Along x, y and z of the obstacle's frame"}, {0, 0.1});
+  if (part.has("rotation_deg"))
+    deviation.tail<3>() =
+        part.vector3({"rotation_deg", "degrees", "About x, y and z of that frame"}, {0, 30}) *
+        math::kDegree;
+  return deviation;
+}
+
 void read_limits(const config::Node& node, control::LimitedObstacle& limited) {
   limited.may_touch =
       node.choice({"allowed", "",
@@ -164,9 +183,22 @@ std::vector<ConfiguredObstacle> read_obstacles(const config::Node& root, const m
     body.friction = node.number(
         {"friction", "", "Coulomb friction coefficient between the obstacle and the object"},
         {0, 10}, body.friction);
+    body.pose_deviation = read_pose_deviation(node);
     read_limits(node, obstacle.limited);
   }
+  try {
+    free_directions(obstacles);
+  } catch (const std::invalid_argument& error) {
+    root.fail("obstacles", error.what());
+  }
   return obstacles;
+}
+
+std::vector<collision::FreeDirection> free_directions(
+    const std::vector<ConfiguredObstacle>& obstacles) {
+  std::vector<collision::Obstacle> bodies;
+  for (const ConfiguredObstacle& obstacle : obstacles) bodies.push_back(obstacle.limited.body);
+  return collision::free_directions(bodies);
 }
 
 }  // namespace palpate::registry

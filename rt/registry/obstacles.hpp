@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/collision/free_directions.hpp"
 #include "core/control/obstacle_limit.hpp"
 #include "core/kinematics/serial_chain.hpp"
 #include "rt/config/node.hpp"
@@ -26,6 +27,10 @@ struct ConfiguredObstacle {
 
 /// Longest name of an obstacle, for messages.
 inline constexpr int kLongestObstacleName = 23;
+
+/// Directions in which poses are not known exactly, in the order of the obstacles.
+std::vector<collision::FreeDirection> free_directions(
+    const std::vector<ConfiguredObstacle>& obstacles);
 
 /// Reads `obstacles`, the rigid bodies that the object may meet, with poses in O: those of a link
 /// are not placed, nor those that messages move, without `pose`. Throws config::Error.

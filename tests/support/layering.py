@@ -20,7 +20,7 @@ ALLOWED = {
     "core/solid": "core/math core/factor core/elasticity",
     "core/sensing": "core/math",
     "core/contact": "core/math core/mesh core/sensing",
-    "core/estimation": "core/math core/mesh core/elasticity core/sensing core/contact",
+    "core/estimation": "core/math core/mesh core/collision core/elasticity core/sensing core/contact",
     "core/frames": "core/math core/sensing core/estimation",
     "core/shape": "core/math core/mesh",
     "core/kinematics": "core/math",
@@ -33,7 +33,7 @@ ALLOWED = {
     "rt/plugin": "core/mesh core/sensing core/contact core/estimation core/control rt/loop rt/config",
     "rt/registry": "core/math core/mesh core/collision core/elasticity core/sensing core/contact core/estimation core/frames "
                    "core/shape core/kinematics core/control rt/loop rt/config rt/inference rt/plugin",
-    "rt/pipeline": "core/math core/mesh core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
+    "rt/pipeline": "core/math core/mesh core/collision core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
     "rt/daemon": "core/elasticity core/sensing core/estimation core/shape rt/loop rt/bus rt/config rt/plugin rt/registry rt/pipeline",
     # The plant must not share the estimator's model: no core/elasticity, no core/collision; of
     # sensing only the manufacturer's data of the sensor; of the loop its clock.
@@ -49,7 +49,7 @@ ALLOWED = {
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
     "tools/command": "rt/bus rt/client rt/config tools/common",
     "tools/doctor": "rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log tools/record",
-    "tools/drawing": "core/math rt/registry",
+    "tools/drawing": "core/math core/mesh core/collision core/kinematics rt/bus rt/config rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
     "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/config rt/plugin",
     "tools/export": "core/math core/mesh core/elasticity rt/bus rt/config rt/registry sim/draw tools/common "

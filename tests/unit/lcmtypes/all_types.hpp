@@ -17,6 +17,7 @@
 #include <palpate/imu_t.hpp>
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/manual_force_t.hpp>
+#include <palpate/obstacles_t.hpp>
 #include <palpate/picture_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_mesh_t.hpp>
@@ -56,6 +57,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(imu_t{});
   visit(joint_velocity_command_t{});
   visit(manual_force_t{});
+  visit(obstacles_t{});
   visit(robot_state_t{});
   visit(shape_observation_t{});
   visit(shape_target_t{});

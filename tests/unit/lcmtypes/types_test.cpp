@@ -35,6 +35,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"imu_t", 0xe923169b4e838cb5},
     {"joint_velocity_command_t", 0xc9f58126e7f327c4},
     {"manual_force_t", 0x656fbfeab7f85232},
+    {"obstacles_t", 0x8438eb44eb9a69db},
     {"picture_t", 0x7681bbd02f87a9e4},
     {"robot_state_t", 0xf807c166e5654f41},
     {"shape_mesh_t", 0x612366e6c632b951},

@@ -27,13 +27,14 @@ TEST(ContactTelemetry, HoldsEachPressingPointLargestFirst) {
   auto hub = bus::make_memory_hub();
   auto bus = bus::make_memory_bus(hub), user = bus::make_memory_bus(hub);
   bus::TypedSubscription<contacts_t> contacts(*user, "CONTACTS", 4);
+  bus::TypedSubscription<obstacles_t> obstacles(*user, "OBSTACLES", 4);
   user->start();
   ContactTelemetry telemetry(*bus, 7);
-  telemetry.publish(pipeline, 123);
+  telemetry.publish(pipeline, 20123);
   contacts_t message;
   std::int64_t arrival_ns = 0;
   ASSERT_TRUE(contacts.take(message, arrival_ns));
-  EXPECT_EQ(message.utime, 123);
+  EXPECT_EQ(message.utime, 20123);
   EXPECT_EQ(message.obstacle_count, 2);
   EXPECT_STREQ(bus::get_text(message.obstacle_name[0]), "shelf");
   EXPECT_STREQ(bus::get_text(message.obstacle_name[1]), "table");
@@ -67,6 +68,17 @@ TEST(ContactTelemetry, HoldsEachPressingPointLargestFirst) {
       EXPECT_LT(friction, 0.5 * last);
     }
   }
+
+  obstacles_t poses;
+  ASSERT_TRUE(obstacles.take(poses, arrival_ns));
+  EXPECT_EQ(poses.count, 2);
+  EXPECT_STREQ(bus::get_text(poses.name[1]), "table");
+  EXPECT_EQ(poses.is_placed[1], 1);
+  EXPECT_NEAR(poses.position[1][2], 0.255, 1e-12);
+  EXPECT_NEAR(poses.quaternion[1][0], 1, 1e-12);
+  EXPECT_EQ(poses.deviation[1][2], 0);
+  telemetry.publish(pipeline, 21123);
+  EXPECT_FALSE(obstacles.take(poses, arrival_ns)) << "every 10 ms";
 }
 
 }  // namespace

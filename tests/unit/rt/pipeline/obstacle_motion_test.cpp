@@ -96,6 +96,26 @@ TEST_F(ObstacleMotionTest, ALinkCarriesItsObstacles) {
   EXPECT_EQ(elbow.V_O_B.vector().norm(), 0);
 }
 
+TEST_F(ObstacleMotionTest, AnEstimateDisplacesObstaclesInTheirOwnFrames) {
+  ObstacleMotion motion = this->motion(
+      "  - {name: fixed, shape: sphere, radius: 0.1, pose: {position: [1, 2, 3]}}\n"
+      "  - {name: table, shape: half_space, pose: {position: [0, 0, 1], rpy_deg: [90, 0, 0]}, "
+      "pose_deviation: {position: [0, 0, 0.01], rotation_deg: [1, 0, 0]}}\n"
+      "  - {name: lower, shape: sphere, radius: 0.1, link: lower, pose_deviation: {position: "
+      "[0.01, 0, 0]}}\n");
+  ASSERT_EQ(motion.free_directions().size(), 3u);
+  signals_.robot.latest.joint_count = 2;
+  for (int i = 0; i < 2; ++i) {  // it does not add up
+    motion.update(signals_, true, {0.002, 0.1, 0.003});
+    EXPECT_EQ(motion.X_WB(0).translation(), Vector3d(1, 2, 3));
+    const math::Pose table = motion.X_WB(1);
+    EXPECT_LT((table.translation() - Vector3d(0, -0.002, 1)).norm(), 1e-12) << "z of its frame";
+    EXPECT_LT((table.linear() - math::exp_rotation({M_PI / 2 + 0.1, 0, 0})).norm(), 1e-12);
+    EXPECT_LT((motion.X_WB(2).translation() - Vector3d(0.403, 0, 0)).norm(), 1e-12);
+    EXPECT_LT((in_W(motion.placements()[1]).matrix() - table.matrix()).norm(), 1e-12);
+  }
+}
+
 TEST_F(ObstacleMotionTest, MessagesMoveAnObstacleWhichKeepsItsVelocityForATime) {
   ObstacleMotion motion = this->motion(
       "  - {name: lid, shape: sphere, radius: 0.1, moved: true, timeout_ms: 50}\n"

@@ -112,6 +112,30 @@ TEST(Obstacles, HaveLimitsOfTheirOwn) {
   expect_error("  - {name: a, shape: half_space, force: 0}\n", "force");
 }
 
+TEST(Obstacles, SayHowFarTheirPoseMayBeOff) {
+  const auto obstacles = read_all(
+      "obstacles:\n"
+      "  - {name: floor, shape: half_space}\n"
+      "  - {name: table, shape: half_space, pose_deviation: {position: [0, 0, 0.01], rotation_deg: "
+      "[1, 0, 0]}}\n");
+  EXPECT_TRUE(obstacles[0].limited.body.pose_deviation.isZero(0));
+  const auto directions = free_directions(obstacles);
+  ASSERT_EQ(directions.size(), 2u);
+  EXPECT_EQ(directions[0].obstacle, 1);
+  EXPECT_EQ(directions[0].axis, 2);
+  EXPECT_EQ(directions[0].deviation, 0.01);
+  EXPECT_EQ(directions[1].axis, 3);
+  EXPECT_NEAR(directions[1].deviation, M_PI / 180, 1e-15);
+  expect_error("  - {name: a, shape: half_space, pose_deviation: {position: [0, 0, -1]}}\n",
+               "position");
+  expect_error("  - {name: a, shape: half_space, pose_deviation: {heading: 1}}\n", "heading");
+  const std::string free =
+      "pose_deviation: {position: [1e-3, 1e-3, 1e-3], rotation_deg: [1, 1, 1]}";
+  expect_error("  - {name: a, shape: half_space, " + free + "}\n  - {name: b, shape: half_space, " +
+                   free + "}\n",
+               "at most 6");
+}
+
 TEST(Obstacles, AreCarriedByLinksOrMovedByMessages) {
   const auto obstacles =
       read_all(kArm + std::string("obstacles:\n"
