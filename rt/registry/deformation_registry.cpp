@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
@@ -97,6 +99,12 @@ Model make_corotational(const config::Node& node, const Context& context) {
   options.time_step = context.period;
   for (const ConfiguredObstacle& obstacle : context.object->obstacles)
     options.contact.obstacles.push_back(obstacle.limited.body);
+  // so that the estimator knows the distances of obstacles that may be touched in truth
+  constexpr double kLongestReach = 0.02;  // m
+  for (const collision::Obstacle& obstacle : options.contact.obstacles)
+    options.contact.reach =
+        std::max(options.contact.reach,
+                 std::min(kLongestReach, 2 * obstacle.pose_deviation.head<3>().norm()));
   const loop::SpinTeamOptions team = node.read(team_options());
   if (team.size > 1) options.team = std::make_shared<loop::SpinTeam>(team);
   return std::make_unique<Corotational>(body, options);

@@ -172,8 +172,9 @@ void WrenchConsistency::linearise(const Innovation& now, const FusedState& state
       displaced += by_offset * filter.mean().segment<6>(filter.offset(other));
     }
     const UncertainTouch::Wrench touch =
-        touch_.linearise(rows.middleCols(filter.obstacle(), free),
-                         now_.covariance().block(obstacle, obstacle, free, free));
+        touch_.linearise(g, rows.middleCols(filter.obstacle(), free),
+                         now_.covariance().block(obstacle, obstacle, free, free),
+                         now.measured.segment<3>(row).norm());
     hand.H.middleCols(obstacle, free) = touch.by_direction / stiffness;
     displaced += touch.by_direction * filter.mean().segment(filter.obstacle(), free);
     const auto by_bias = rows.middleCols<6>(filter.bias(g));

@@ -25,6 +25,7 @@ collision::Obstacle table(double height) {
 elasticity::SolverOptions options(const collision::Obstacle& obstacle) {
   elasticity::SolverOptions options;
   options.contact.obstacles = {obstacle};
+  options.contact.reach = 0.01;
   return options;
 }
 
