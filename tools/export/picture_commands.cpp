@@ -59,7 +59,7 @@ void add_drawing(CLI::App& command, Options& options) {
       .add_option(
           "--config", drawing.configuration,
           "Configuration of palpated: says where the object is in the arm's base W, so that "
-          "z is up and the arm is drawn (default: drawn in the object's frame O)")
+          "z is up and arm and obstacles are drawn (default: drawn in the object's frame O)")
       ->check(CLI::ExistingFile);
   command.add_option("--urdf", drawing.urdf, "The arm, as primitive shapes")
       ->check(CLI::ExistingFile);

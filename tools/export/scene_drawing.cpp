@@ -53,6 +53,11 @@ double round_up(double value) {
   return step * std::ceil(value / step - 1e-9);
 }
 
+Eigen::AlignedBox3d bounds_of(const Eigen::Matrix3Xd& points) {
+  return {Eigen::Vector3d(points.rowwise().minCoeff()),
+          Eigen::Vector3d(points.rowwise().maxCoeff())};
+}
+
 std::string text_of_kind(const std::uint8_t* bytes, std::size_t size) {
   return std::string(reinterpret_cast<const char*>(bytes),
                      strnlen(reinterpret_cast<const char*>(bytes), size));
@@ -65,6 +70,7 @@ SceneDrawing::SceneDrawing(const DrawingOptions& options)
   if (options_.configuration.empty()) return;
   const config::Node configuration = config::Node::load_file(options_.configuration);
   X_WO_ = registry::read_frames(configuration).X_WO;
+  obstacles_ = ObstaclePainter(configuration);
   if (!options_.urdf.empty())
     arm_ = std::make_unique<drawing::RobotDrawing>(options_.urdf, "flange");
 }
@@ -174,6 +180,7 @@ const draw::Image& SceneDrawing::draw(const Instant& instant) {
   draw_forces(instant);
   draw_target(instant);
   draw_rest(solid->mesh());
+  obstacles_.draw(instant, bounds_of(in_world(solid->mesh().nodes)), renderer_);
   image_ = renderer_.end();
   annotate(instant);
   return image_;
@@ -365,6 +372,8 @@ void SceneDrawing::annotate(const Instant& instant) {
   }
   if (draws_feature_) legend.push_back({"feature", kFeature});
   if (draws_target_) legend.push_back({"target of the feature", kTarget});
+  if (!obstacles_.drawn().empty())
+    legend.push_back({"obstacles: " + obstacles_.drawn(), ObstaclePainter::kColour});
   draw::draw_legend(image_, legend);
   if (options_.quantity != Quantity::kNone)
     draw::draw_colour_bar(image_, text.factor * options_.low, text.factor * high(), text.unit);

@@ -9,6 +9,7 @@
 #include "sim/draw/renderer.hpp"
 #include "tools/drawing/robot_drawing.hpp"
 #include "tools/export/element_gradients.hpp"
+#include "tools/export/obstacle_painter.hpp"
 #include "tools/export/shape_follower.hpp"
 
 namespace palpate::exporting {
@@ -20,15 +21,15 @@ struct DrawingOptions {
   double elevation = 20;     // deg above the horizon
   double zoom = 1;           // 2: everything at twice the size
   int width = 1280, height = 800;
-  std::string title;  // empty: generated from the time
-  std::string
-      configuration;  // of palpated, YAML; gives the pose of the object in W. Empty: drawn in O
-  std::string urdf;   // of the arm, drawn if there is a configuration
+  std::string title;          // empty: generated from the time
+  std::string configuration;  // of palpated, YAML; gives the pose of the object in W, and the
+                              // obstacles. Empty: drawn in O, without obstacles
+  std::string urdf;           // of the arm, drawn if there is a configuration
 };
 
 /// Draws instants of a log off-screen: the shape coloured by a quantity, the truth as a wireframe
-/// over it, forces as arrows, feature and target, clamp, and the arm if a configuration gives its
-/// pose. All elements keep their position in the image from instant to instant.
+/// over it, forces as arrows, feature and target, clamp, and arm and obstacles if a configuration
+/// gives their poses. All elements keep their position in the image from instant to instant.
 class SceneDrawing {
  public:
   /// Throws std::runtime_error without OSMesa, config::Error for a wrong configuration.
@@ -67,6 +68,7 @@ class SceneDrawing {
   draw::Image image_;
   math::Pose X_WO_ = math::Pose::Identity();
   std::unique_ptr<drawing::RobotDrawing> arm_;
+  ObstaclePainter obstacles_;
   std::vector<float> link_poses_;  // position and quaternion x, y, z, w of each link of arm_, in W
   Eigen::AlignedBox3d bounds_W_;   // of all shapes
   Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // of the shape that is drawn

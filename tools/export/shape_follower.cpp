@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "rt/bus/checked_decode.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -24,6 +25,19 @@ template <class T>
 void keep(const Message& message, std::optional<T>& into) {
   T value;
   if (decoded(message, value)) into = value;
+}
+
+void keep_moved(const Message& message, std::vector<world_state_t>& moved) {
+  constexpr std::size_t kMost = contacts_t::MOST_OBSTACLES;
+  world_state_t value;
+  if (!decoded(message, value)) return;
+  const std::string name = bus::get_text(value.name);
+  const auto same = std::find_if(moved.begin(), moved.end(), [&](const world_state_t& one) {
+    return name == bus::get_text(one.name);
+  });
+  if (same != moved.end()) moved.erase(same);
+  if (moved.size() >= kMost) moved.erase(moved.begin());
+  moved.push_back(value);
 }
 
 /// Entry of a channel with shapes, of the present or the former type; nullptr if there is none.
@@ -105,7 +119,8 @@ bool ShapeFollower::is_possible(const Source& source) {
 const std::vector<std::string>& ShapeFollower::channels() {
   static const std::vector<std::string> kChannels{
       channel::kShape,        channel::kTruthShape, channel::kContacts,    channel::kFeature,
-      channel::kTruthContact, channel::kEstimate,   channel::kShapeTarget, channel::kRobotState};
+      channel::kTruthContact, channel::kEstimate,   channel::kShapeTarget, channel::kRobotState,
+      channel::kWorldState,   channel::kObstacles};
   return kChannels;
 }
 
@@ -151,6 +166,10 @@ void ShapeFollower::follow(const Message& message, const Take& take) {
     keep(message, latest_.feature);
   } else if (channel == channel::kShapeTarget) {
     keep(message, latest_.target);
+  } else if (channel == channel::kObstacles) {
+    keep(message, latest_.obstacles);
+  } else if (channel == channel::kWorldState) {
+    keep_moved(message, latest_.moved);
   } else {
     keep(message, latest_.robot);
   }

@@ -8,11 +8,14 @@
 #include <palpate/contacts_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
+#include <palpate/obstacles_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/truth_contact_t.hpp>
+#include <palpate/world_state_t.hpp>
 #include <string>
+#include <vector>
 
 #include "rt/bus/shape_chunks.hpp"
 #include "tools/export/shape_fields.hpp"
@@ -44,6 +47,8 @@ struct Instant {
   std::optional<feature_t> feature;
   std::optional<shape_target_t> target;
   std::optional<robot_state_t> robot;
+  std::optional<obstacles_t> obstacles;
+  std::vector<world_state_t> moved;  // the last one of each obstacle that messages move
 };
 
 struct FollowerOptions {

@@ -57,6 +57,7 @@ Cell Cell::read(const std::string& configuration, const std::vector<std::string>
   cell.configured = read_configured(root);
   const registry::Frames frames = registry::read_frames(root);
   cell.X_WO = frames.X_WO;
+  cell.obstacles = drawing::read_obstacle_drawings(root);
   std::string file = urdf, link = flange;
   if (file.empty() && root.has("robot")) {
     const config::Node robot = root.child("robot");

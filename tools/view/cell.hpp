@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rt/config/node.hpp"
+#include "tools/drawing/obstacle_drawing.hpp"
 #include "tools/drawing/robot_drawing.hpp"
 
 namespace palpate::view {
@@ -41,10 +42,11 @@ struct PlacedRobot {
   math::Pose X_OW;
 };
 
-/// Properties of the cell that no message contains: poses of arm and object, appearance of the arm,
-/// initial components of the daemon.
+/// Properties of the cell that no message contains: poses of arm and object, appearance of arm and
+/// obstacles, initial components of the daemon.
 struct Cell {
   std::vector<std::optional<PlacedRobot>> robots;  // of arm 0 and 1
+  std::vector<drawing::ObstacleDrawing> obstacles;
   std::vector<Configured> configured;
   std::optional<math::Pose> X_WO;
 

@@ -28,6 +28,17 @@ bool is_shape(const std::string& channel) {
   return channel == channel::kShape || channel == channel::kTruthShape;
 }
 
+/// Messages of which the newest is shown: those of a channel, or, of obstacles, of one of them:
+/// "WORLD_STATE NAME". A seek to any time finds the place of each obstacle.
+std::string track_of(const bus::LoggedEvent& event) {
+  world_state_t message;
+  if (event.channel != channel::kWorldState || !bus::decode(message, event.data, event.size))
+    return event.channel;
+  return event.channel + " " + bus::get_text(message.name);
+}
+
+std::string channel_of(const std::string& track) { return track.substr(0, track.find(' ')); }
+
 bool keeps_all(const std::string& channel) {
   return channel == Scene::kEvents || Scene::is_mesh(channel);
 }
@@ -56,7 +67,7 @@ LogSource::LogSource(const std::vector<std::string>& files, const Progress& prog
     index(files[i], static_cast<std::int16_t>(i), progress, complaints);
   std::int64_t end_us = 0;
   begin_us_ = bus::kLatestEventTime;
-  for (auto& [channel, list] : entries_) {
+  for (auto& [track, list] : entries_) {
     std::stable_sort(list.begin(), list.end(),
                      [](const Entry& a, const Entry& b) { return a.time_us < b.time_us; });
     begin_us_ = std::min(begin_us_, list.front().time_us);
@@ -82,7 +93,7 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
     if (share - reported >= 0.01) progress(path, reported = share);
     if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end()) continue;
     note(event->channel, event->data, event->size, event->utime);
-    std::vector<Entry>& list = entries_[event->channel];
+    std::vector<Entry>& list = entries_[track_of(*event)];
     const std::int64_t sent = sent_us(event->data, event->size);
     const bool is_next_chunk =
         is_shape(event->channel) && !list.empty() && list.back().sent_us == sent;
@@ -143,13 +154,13 @@ void LogSource::finish_series() {
   for (const auto& [time_us, what] : happened_) marks_.emplace_back(seconds(time_us), what);
 }
 
-void LogSource::offer(const std::string& channel, const Entry& entry, Scene& scene) {
+void LogSource::offer(const std::string& track, const Entry& entry, Scene& scene) {
   buffer_.resize(static_cast<std::size_t>(entry.size));
   std::ifstream& file = files_[static_cast<std::size_t>(entry.file)];
   file.clear();
   file.seekg(entry.at);
   if (file.read(reinterpret_cast<char*>(buffer_.data()), entry.size))
-    scene.accept(channel, buffer_.data(), entry.size, entry.time_us);
+    scene.accept(channel_of(track), buffer_.data(), entry.size, entry.time_us);
 }
 
 void LogSource::go_to(double time, Scene& scene) {
@@ -161,25 +172,25 @@ void LogSource::go_to(double time, Scene& scene) {
     shown_.clear();
   }
   time_ = time;
-  for (const auto& [channel, list] : entries_) {
+  for (const auto& [track, list] : entries_) {
     const auto end = std::upper_bound(
         list.begin(), list.end(), now_us,
         [](std::int64_t limit, const Entry& entry) { return limit < entry.time_us; });
     const auto count = static_cast<std::size_t>(end - list.begin());
-    std::size_t& shown = shown_[channel];
-    if (channel == Scene::kEvents) {
+    std::size_t& shown = shown_[track];
+    if (track == Scene::kEvents) {
       const std::size_t most = Scene::kMostEvents;
       for (std::size_t i = std::max(shown, count > most ? count - most : 0); i < count; ++i)
-        offer(channel, list[i], scene);
-    } else if (keeps_all(channel)) {
+        offer(track, list[i], scene);
+    } else if (keeps_all(track)) {
       // A mesh applies to the whole log, though its chunks may come after the first shape.
       if (all_meshes)
-        for (const Entry& entry : list) offer(channel, entry, scene);
+        for (const Entry& entry : list) offer(track, entry, scene);
     } else if (count > shown) {
       std::size_t first = count - 1;  // or the first chunk of a shape
-      while (is_shape(channel) && first > 0 && list[first - 1].sent_us == list[first].sent_us)
+      while (is_shape(track) && first > 0 && list[first - 1].sent_us == list[first].sent_us)
         --first;
-      for (std::size_t i = first; i < count; ++i) offer(channel, list[i], scene);
+      for (std::size_t i = first; i < count; ++i) offer(track, list[i], scene);
     }
     shown = count;
   }

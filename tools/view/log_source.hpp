@@ -51,7 +51,7 @@ class LogSource {
   };
   void index(const std::string& path, std::int16_t number, const Progress& progress,
              std::vector<std::string>& complaints);
-  void offer(const std::string& channel, const Entry& entry, Scene& scene);
+  void offer(const std::string& track, const Entry& entry, Scene& scene);
   void note(const std::string& channel, const void* data, int size, std::int64_t time_us);
   void finish_series();
 
@@ -61,9 +61,9 @@ class LogSource {
   };
 
   std::vector<std::ifstream> files_;
-  std::map<std::string, std::vector<Entry>> entries_;  // by channel, in order of time
-  std::map<std::string, std::size_t>
-      shown_;  // number of each channel's messages passed to the scene
+  // By track, which is a channel or, of WORLD_STATE, an obstacle's part of it; in order of time.
+  std::map<std::string, std::vector<Entry>> entries_;
+  std::map<std::string, std::size_t> shown_;  // number of each track's messages passed to the scene
   std::vector<std::uint8_t> buffer_;
   std::array<std::vector<Noted>, 6> noted_;  // until all files are read
   std::vector<std::pair<std::int64_t, std::string>> happened_;

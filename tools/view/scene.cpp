@@ -5,6 +5,9 @@
 #include <limits>
 #include <palpate/channels.hpp>
 
+#include "core/math/rigid.hpp"
+#include "rt/bus/text.hpp"
+
 namespace palpate::view {
 namespace {
 
@@ -24,6 +27,7 @@ bool is_sound(const contacts_t& m) {
   return std::all_of(m.predicted_obstacle, m.predicted_obstacle + m.predicted_count,
                      [&](int obstacle) { return obstacle >= 0 && obstacle < m.obstacle_count; });
 }
+bool is_sound(const obstacles_t& m) { return m.count >= 0 && m.count <= obstacles_t::MOST; }
 bool is_sound(const estimate_t& m) { return m.grasp_count >= 0 && m.grasp_count <= 2; }
 bool is_sound(const discrepancy_t& m) {
   return m.grasp_count >= 0 && m.grasp_count <= 2 && m.cause_count >= 0 &&
@@ -50,6 +54,10 @@ bool is_sound(const truth_contact_t& m) { return m.grasp_count >= 0 && m.grasp_c
 bool is_sound(const manual_force_t& m) { return all_finite(m.force) && all_finite(m.rest_point); }
 bool is_sound(const twist_command_t& m) { return all_finite(m.twist); }
 bool is_sound(const config_t&) { return true; }
+bool is_sound(const world_state_t& m) {
+  return *bus::get_text(m.name) != '\0' && all_finite(m.position) &&
+         math::is_unit_quaternion(m.quaternion);
+}
 bool is_sound(const biotac_t& m) {
   return m.pac_count >= 0 && m.pac_count <= static_cast<int>(std::size(m.pac));
 }
@@ -90,7 +98,7 @@ void Fingertip::take(const biotac_t& next, std::int64_t next_us) {
 
 template <class Visit>
 void Scene::for_each_latest(Visit visit) {
-  visit(truth_contact), visit(contacts), visit(estimate), visit(discrepancy);
+  visit(truth_contact), visit(contacts), visit(obstacles), visit(estimate), visit(discrepancy);
   visit(feature), visit(health), visit(config), visit(twist), visit(manual), visit(observation);
   for (auto& one : robot) visit(one);
   for (auto& one : hand) visit(one);
@@ -102,7 +110,7 @@ bool Scene::is_mesh(std::string_view channel) {
 
 const std::vector<std::string_view>& Scene::channels() {
   static const std::vector<std::string_view> names = [] {
-    std::vector<std::string_view> all{kEvents, kMeshes[0], kMeshes[1]};
+    std::vector<std::string_view> all{kEvents, kMeshes[0], kMeshes[1], channel::kWorldState};
     Scene scene;
     all.insert(all.end(), {scene.shape.channel, scene.truth.channel});
     scene.for_each_latest([&all](const auto& latest) { all.emplace_back(latest.channel); });
@@ -146,6 +154,14 @@ bool Scene::accept(std::string_view channel, const void* data, int size, std::in
       ++rejected_;
     return true;
   }
+  if (channel == channel::kWorldState) {
+    world_state_t message;
+    if (bus::decode(message, data, size) && is_sound(message))
+      take(message, time_us);
+    else
+      ++rejected_;
+    return true;
+  }
   bool is_shown = false;
   for_each_latest([&](auto& latest) {
     if (channel != latest.channel) return;
@@ -156,6 +172,22 @@ bool Scene::accept(std::string_view channel, const void* data, int size, std::in
     latest.fresh = true;
   });
   return is_shown;
+}
+
+void Scene::take(const world_state_t& message, std::int64_t time_us) {
+  const std::string name = bus::get_text(message.name);
+  if (moved_.size() >= kMostMoved && moved_.count(name) == 0) {
+    const auto oldest = std::min_element(
+        moved_.begin(), moved_.end(),
+        [](const auto& a, const auto& b) { return a.second.time_us < b.second.time_us; });
+    moved_.erase(oldest);
+  }
+  moved_[name] = {time_us, message};
+}
+
+const MovedObstacle* Scene::moved(const std::string& name) const {
+  const auto at = moved_.find(name);
+  return at == moved_.end() ? nullptr : &at->second;
 }
 
 void Scene::refresh() {
@@ -185,6 +217,7 @@ void Scene::forget_messages() {
     fingertip.there = false;
     fingertip.pac.clear();
   }
+  moved_.clear();
   events_.clear();
   ++generation_;
 }

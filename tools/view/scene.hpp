@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <palpate/biotac_t.hpp>
 #include <palpate/channels.hpp>
 #include <palpate/component_event_t.hpp>
@@ -14,11 +15,14 @@
 #include <palpate/hand_state_t.hpp>
 #include <palpate/health_t.hpp>
 #include <palpate/manual_force_t.hpp>
+#include <palpate/obstacles_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_observation_t.hpp>
 #include <palpate/shape_t.hpp>
 #include <palpate/truth_contact_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <palpate/world_state_t.hpp>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
@@ -78,6 +82,12 @@ struct Fingertip {
   void take(const biotac_t& next, std::int64_t next_us);
 };
 
+/// The last WORLD_STATE of one obstacle.
+struct MovedObstacle {
+  std::int64_t time_us = 0;  // time of arrival: wall clock, or the log's
+  world_state_t message{};
+};
+
 /// An event with a sequence number, so that a reader knows which ones it has received.
 struct NumberedEvent {
   std::int64_t number = 0;
@@ -96,6 +106,8 @@ double error_norm(const feature_t& feature);
 class Scene {
  public:
   static constexpr std::size_t kMostEvents = 500;
+  /// Of obstacles that messages move, whatever their names; as many as a configuration may have.
+  static constexpr std::size_t kMostMoved = contacts_t::MOST_OBSTACLES;
 
   static constexpr std::string_view kEvents = channel::kComponentEvent;
   static bool is_mesh(std::string_view channel);
@@ -116,6 +128,7 @@ class Scene {
   LatestShape shape{channel::kShape}, truth{channel::kTruthShape};
   Latest<truth_contact_t> truth_contact{channel::kTruthContact};
   Latest<contacts_t> contacts{channel::kContacts};
+  Latest<obstacles_t> obstacles{channel::kObstacles};
   Latest<estimate_t> estimate{channel::kEstimate};
   Latest<discrepancy_t> discrepancy{channel::kDiscrepancy};
   Latest<feature_t> feature{channel::kFeature};
@@ -138,6 +151,8 @@ class Scene {
                                         {"BIOTAC_3_1"},
                                         {"BIOTAC_4_1"}}};
 
+  /// Of the obstacle with this name; nullptr if there is none.
+  const MovedObstacle* moved(const std::string& name) const;
   const bus::MeshAssembler& meshes() const { return meshes_; }
   const std::deque<NumberedEvent>& events() const { return events_; }
   /// Incremented by forget_messages().
@@ -148,8 +163,10 @@ class Scene {
  private:
   template <class Visit>
   void for_each_latest(Visit visit);
+  void take(const world_state_t& message, std::int64_t time_us);
 
   bus::MeshAssembler meshes_;
+  std::map<std::string, MovedObstacle> moved_;  // by name
   std::deque<NumberedEvent> events_;
   std::int64_t event_count_ = 0;
   std::int64_t generation_ = 0;

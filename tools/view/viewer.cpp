@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/sensing/biotac_geometry.hpp"
+#include "tools/view/obstacles.hpp"
 
 namespace palpate::view {
 
@@ -251,6 +252,15 @@ void Viewer::add_meshes(Client& client, Delivery& delivery) const {
   add(truth_, "truth", client.truth_mesh);
 }
 
+void Viewer::add_obstacles(Client& client, Delivery& delivery) const {
+  if (client.has_obstacles) return;
+  client.has_obstacles = true;
+  const std::vector<drawing::ObstacleDrawing>& obstacles = options_.cell.obstacles;
+  for (std::size_t i = 0; i < obstacles.size(); ++i)
+    delivery.parcels.push_back(
+        std::make_shared<const std::string>(encode_obstacle(static_cast<int>(i), obstacles[i])));
+}
+
 Delivery Viewer::deliver(Client& client, std::int64_t now_us) {
   Delivery delivery;
   json events = json::array();
@@ -262,6 +272,7 @@ Delivery Viewer::deliver(Client& client, std::int64_t now_us) {
   if (!events.empty() || reset)
     delivery.texts.push_back(dump({{"type", "events"}, {"reset", reset}, {"events", events}}));
   add_meshes(client, delivery);
+  add_obstacles(client, delivery);
   delivery.frame = frames_;
   const bool with_health = client.health != scene_.health.count;
   client.health = scene_.health.count;
@@ -337,6 +348,11 @@ std::string Viewer::frame(Field field, bool with_health, std::int64_t now_us) {
   head["field"] = name(field);
   if (has_shape) head["mesh"] = hash_text(estimate_.hash);
   if (has_truth) head["truth_mesh"] = hash_text(truth_.hash);
+  const Cell& cell = options_.cell;
+  std::vector<float> obstacle_poses;  // until the parcel is finished, as all arrays
+  if (cell.X_WO && !cell.obstacles.empty())
+    head["obstacles"] =
+        describe_places(cell.obstacles, *cell.X_WO, scene_, head["time_us"], obstacle_poses);
   Parcel parcel(std::move(head));
   if (has_shape) {
     parcel.add("x", shape->xyz);
@@ -346,21 +362,22 @@ std::string Viewer::frame(Field field, bool with_health, std::int64_t now_us) {
     parcel.add("truth_x", truth->xyz);
     if (const auto* values = paint(truth_, *truth, field)) parcel.add("truth_values", *values);
   }
-  std::array<std::vector<float>, 2> links;  // until the parcel is finished
-  for (std::size_t arm = 0; arm < options_.cell.robots.size(); ++arm) {
+  if (!obstacle_poses.empty()) parcel.add("obstacle_poses", obstacle_poses);
+  std::array<std::vector<float>, 2> links;
+  for (std::size_t arm = 0; arm < cell.robots.size(); ++arm) {
     const robot_state_t* robot = scene_.robot[arm].get();
     if (!robot) continue;
     const hand_state_t* hand = scene_.hand[arm].get();
-    const PlacedRobot& placed = *options_.cell.robots[arm];
+    const PlacedRobot& placed = *cell.robots[arm];
     placed.drawing.place(placed.X_OW, robot->q, robot->joint_count, hand ? hand->q : nullptr,
                          hand ? hand->joint_count : 0, links[arm]);
     parcel.add(arm == 0 ? "links" : "links_1", links[arm]);
   }
   std::vector<float> points;
   if (const auto* seen = scene_.observation.get();
-      seen && seen->count > 0 && options_.cell.X_WO &&
+      seen && seen->count > 0 && cell.X_WO &&
       (log_ || now_us - scene_.observation.time_us < 1'000'000)) {
-    const math::Pose X_OW = options_.cell.X_WO->inverse();
+    const math::Pose X_OW = cell.X_WO->inverse();
     for (int i = 0; i < seen->count; ++i) {
       const Eigen::Vector3d p = X_OW * Eigen::Vector3f::Map(seen->points[i]).cast<double>();
       for (const double c : {p.x(), p.y(), p.z()}) points.push_back(static_cast<float>(c));

@@ -27,6 +27,7 @@ struct Client {
   int wrong_tokens = 0;
   Field field = Field::kDisplacement;
   std::int64_t mesh = 0, truth_mesh = 0;  // hashes of the meshes that it has, 0: none
+  bool has_obstacles = false;             // their shapes
   std::int64_t events = 0;                // number of its last event
   std::int64_t generation = 0;            // of the scene to which they belong
   std::int64_t health = -1;               // number of HEALTH messages that it has
@@ -36,7 +37,7 @@ struct Client {
 /// Data that may be sent to a page at once.
 struct Delivery {
   std::vector<std::string> texts;
-  std::vector<std::shared_ptr<const std::string>> parcels;  // meshes first, then the frame
+  std::vector<std::shared_ptr<const std::string>> parcels;  // meshes and obstacles, then the frame
   std::int64_t frame = 0;                                   // its number
 };
 
@@ -103,6 +104,7 @@ class Viewer {
   void repaint(Painted& painted, const shape_t* shape);
   const std::vector<float>* paint(Painted& painted, const shape_t& shape, Field field);
   void add_meshes(Client& client, Delivery& delivery) const;
+  void add_obstacles(Client& client, Delivery& delivery) const;
   std::string frame(Field field, bool with_health, std::int64_t now_us);
   nlohmann::json state(bool with_health, std::int64_t now_us) const;
   void grant(Client& client, const TakeControl& request);

@@ -11,6 +11,7 @@ INTERESTING = {b"SHAPE", b"SHAPE_MESH", b"MANUAL_FORCE", b"COMPONENT_EVENT", b"H
 COMMON = ">qqiq"  # fingerprint, utime, seq, session
 BIOTAC = 0x899D567D1460611D  # fingerprint
 DISCREPANCY = 0x5AA5CDF84DFF8D46
+WORLD_STATE = 0x92EDBC9BF54DA07E
 
 
 class Listener:
@@ -80,6 +81,12 @@ def biotac(seq, electrodes, pac, pdc):
     """BIOTAC_n with all readings valid except the temperature."""
     return struct.pack(">Qqiqi19hh22h3h", BIOTAC, seq * 10_000, seq, 5, 7, *electrodes, len(pac),
                        *pac, *[0] * (22 - len(pac)), pdc, 31, 32)
+
+
+def world_state(seq, name, position, quaternion=(1, 0, 0, 0)):
+    """WORLD_STATE of an obstacle at rest, without a code. Position in m, quaternion w, x, y, z, both in W."""
+    return struct.pack(">Qqiqq32s24s13d", WORLD_STATE, time.time_ns() // 1000, seq, 5, seq, bytes(32), name.encode(), *position, *quaternion,
+                       *(0,) * 6)
 
 
 def discrepancy(seq, test, explanations=(), threshold=4.9):

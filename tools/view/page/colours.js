@@ -22,7 +22,7 @@ export function divergingOf(share) { return colourOf(0.5 * (share + 1), [0, 0, 0
 export const COLOURS = {
   truth: '#f0a83c', target: '#ff5d5d', feature: '#58e08c', reaction: '#8fb7d9', truthForce: '#f0a83c',
   push: '#ff79e1', unknown: '#ffe25a', predicted: '#36c5b0', seen: '#9fd8ff', constrained: '#ff5050', loaded: '#4de08a',
-  node: '#ffffff',
+  node: '#ffffff', obstacle: '#9a8fd0',
 };
 
 /** Of a contact by its source: wrists, fingertips, a person. */

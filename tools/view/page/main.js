@@ -7,6 +7,7 @@ import {Control, takeToken} from './control.js';
 import {Fingertips} from './fingertips.js';
 import {Legend} from './legend.js';
 import {Link} from './link.js';
+import {Obstacles} from './obstacles.js';
 import {Pace} from './pace.js';
 import {Panels, fixed, unitOf} from './panels.js';
 import {Plot} from './plot.js';
@@ -24,6 +25,7 @@ const estimate = new ShapeView(stage.scene, {edge: 0x0b1118, edgeOpacity: 0.38, 
 const truth = new ShapeView(stage.scene, {edge: 0x0b1118, edgeOpacity: 0.38, ghost: new THREE.Color(COLOURS.truth).getHex()});
 const arrows = new Arrows(stage.scene);
 const marks = new FeatureMarks(stage.scene);
+const obstacles = new Obstacles(stage.scene);
 const seen = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({color: COLOURS.seen, size: 4, sizeAttenuation: false}));
 seen.frustumCulled = false;
 stage.scene.add(seen);
@@ -31,7 +33,7 @@ const chosen = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 14), new THR
 chosen.visible = false;
 stage.scene.add(chosen);
 
-const layers = {estimate: true, truth: true, robot: true, forces: true, feature: true, nodes: false, lines: true, plain: false};
+const layers = {estimate: true, truth: true, robot: true, forces: true, feature: true, obstacles: true, nodes: false, lines: true, plain: false};
 const legend = new Legend();
 const panels = new Panels();
 const fingertips = new Fingertips();
@@ -46,7 +48,7 @@ let frame = null, drawn = null, health = null, connected = false, greeting = nul
 const send = (message) => link.send(message);
 const control = new Control(send);
 const timeline = new Timeline(send);
-const pointer = new Pointer({stage, shape: estimate, control, send, frame: () => frame, maxForce: () => greeting ? greeting.max_force : 0});
+const pointer = new Pointer({stage, shape: estimate, obstacles, control, send, frame: () => frame, maxForce: () => greeting ? greeting.max_force : 0});
 
 const link = new Link({
   open() {
@@ -71,6 +73,8 @@ const link = new Link({
     timeline.setLog(message.log || null);
     stage.setBase(message.base);
     stage.setRobots(message.robots);
+    obstacles.clear();
+    setButtonOfObstacles();
     stage.dirty = true;
     byId('source').textContent = message.mode === 'log' ? 'recording' : '';
     beginPlots(message);
@@ -78,6 +82,11 @@ const link = new Link({
   control({granted, reason}) {
     if (!granted && reason === 'wrong token') sessionStorage.removeItem('token');
     control.setGranted(granted, reason);
+  },
+  obstacle(message) {
+    obstacles.add(message);
+    setButtonOfObstacles();
+    stage.dirty = true;
   },
   mesh(mesh) {
     const shape = mesh.role === 'truth' ? truth : estimate;
@@ -161,6 +170,8 @@ function setLayer(name, on) {
   stage.dirty = true;
 }
 
+function setButtonOfObstacles() { document.querySelector('#layers [data-layer=obstacles]').hidden = !obstacles.list.length; }
+
 /** Largest value of the visible nodes. */
 function largest(values, shape) {
   let most = 0;
@@ -217,6 +228,7 @@ function showKey() {
   if (layers.truth && frame.truth_x) parts.push([COLOURS.truth, 'true shape']);
   if (layers.forces && (frame.contacts || []).length) parts.push(['#4cc2ff', 'measured force, 1 N = 30 mm']);
   if (layers.forces && frame.predicted && frame.predicted.points.length) parts.push([COLOURS.predicted, 'predicted contact']);
+  if (layers.obstacles && obstacles.list.length) parts.push([COLOURS.obstacle, `obstacles: ${obstacles.texts().join(', ')}`]);
   if (layers.forces && frame.estimate && frame.estimate.grasps.length) parts.push([COLOURS.reaction, 'force of the model']);
   if (layers.feature && frame.feature && placesOf(frame.feature.kind, frame.feature.value).length) {
     parts.push([COLOURS.feature, 'feature']);
@@ -240,6 +252,7 @@ function showFrame() {
   const hasEstimate = showShapes();
   stage.placeRobot(0, frame.links, layers.robot);
   stage.placeRobot(1, frame.links_1, layers.robot);
+  obstacles.show(frame, estimate.mesh ? estimate : truth, layers.obstacles);
   arrows.show(frame, hasEstimate ? pushes() : [], layers.forces);
   marks.show(frame.feature, pointer.dragged, layers.feature, size);
   seen.visible = Boolean(frame.seen);
@@ -271,9 +284,9 @@ function pushes() {
 
 /** Whether anything except the shapes has changed since the last image: arrows, marks, robots, layers. */
 function othersDiffer() {
-  const {links, links_1, seen: points, contacts, predicted, truth_contacts, estimate: grasps, feature, push} = frame;
-  const text = JSON.stringify([links && [...links], links_1 && [...links_1], contacts, predicted, truth_contacts, grasps, push, pointer.pull,
-    pointer.dragged, pointer.picked, feature && [feature.value, feature.target, feature.revision], points && [...points.slice(0, 30)],
+  const {links, links_1, obstacle_poses: poses, seen: points, contacts, predicted, truth_contacts, estimate: grasps, feature, push} = frame;
+  const text = JSON.stringify([links && [...links], links_1 && [...links_1], poses && [...poses], contacts, predicted, truth_contacts, grasps,
+    push, pointer.pull, pointer.dragged, pointer.picked, feature && [feature.value, feature.target, feature.revision], points && [...points.slice(0, 30)],
     layers, estimate.group.visible, truth.group.visible, size]);
   const differ = text !== othersDrawn;
   othersDrawn = text;
@@ -322,6 +335,6 @@ byId('home').onclick = () => {
 };
 
 // For inspection of the page from outside, by a test or the console.
-window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fingertips, consistency, fields: FIELDS, timing,
+window.palpate = {stage, estimate, truth, obstacles, legend, layers, pointer, control, link, pace, fingertips, consistency, fields: FIELDS, timing,
   get frame() { return frame; }, get health() { return health; }, get frames() { return frames; }, get pictures() { return pictures; },
   get connected() { return connected; }, frameObject};

@@ -1,4 +1,4 @@
-// Actions of the pointer on the stage: rotate and select, apply a force to a node, drag the target.
+// Actions of the pointer on the stage: rotate and select, apply a force to a node, drag the target, name an obstacle.
 
 import {placesOf} from './arrows.js';
 import {FIELDS} from './colours.js';
@@ -9,7 +9,7 @@ const RENEW = 40;          // ms between two force messages; the daemon drops on
 const STILL = 5;           // px, a press that has moved no farther is a click
 
 export class Pointer {
-  /** `world`: {stage, shape, control, send, frame}; the last returns the current frame. */
+  /** `world`: {stage, shape, obstacles, control, send, frame}; the last returns the current frame. */
   constructor(world) {
     this.world = world;
     this.mode = 'look';
@@ -20,6 +20,7 @@ export class Pointer {
     const canvas = world.stage.canvas;
     canvas.addEventListener('pointerdown', (event) => this.press(event), true);
     canvas.addEventListener('pointermove', (event) => this.move(event));
+    canvas.addEventListener('pointerleave', () => this.nameObstacle(null));
     for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (event) => this.release(event));
     setInterval(() => this.renew(), RENEW);
   }
@@ -94,8 +95,19 @@ export class Pointer {
     this.drag = {kind: feature.kind, values: [...values], place: from, grip: stage.onPlane(x, y, from)};
   }
 
+  /** At the pointer, while no button is pressed. */
+  nameObstacle(event) {
+    const {stage, obstacles} = this.world, box = byId('hovered'), [x, y] = event ? this.place(event) : [0, 0];
+    const name = event && !event.buttons && obstacles.list.length ? obstacles.nameAt(stage.ray(x, y)) : '';
+    box.hidden = !name;
+    box.textContent = name;
+    box.style.left = `${x + 14}px`;
+    box.style.top = `${y + 10}px`;
+  }
+
   move(event) {
     const [x, y] = this.place(event);
+    this.nameObstacle(event);
     if (this.pull) {
       Object.assign(this.pull, {x, y});
       this.updatePull();

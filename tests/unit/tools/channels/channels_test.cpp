@@ -30,7 +30,6 @@ struct LeftOut {
 constexpr LeftOut kLeftOut[] = {
     {"view", channel::kFtWrench, "raw: CONTACTS and ESTIMATE show the wrenches"},
     {"view", channel::kImu, "raw: the arm moves by ROBOT_STATE"},
-    {"view", channel::kWorldState, "CONTACTS shows where obstacles touch"},
     {"view", channel::kShapeTarget, "FEATURE contains the target that is active"},
     {"view", channel::kComponentCommand, "COMPONENT_EVENT acknowledges it"},
     {"view", channel::kUnknownContact, "ESTIMATE contains it"},

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
 #include "sim/draw/annotate.hpp"
 #include "sim/draw/image.hpp"
 #include "tests/unit/tools/export/python.hpp"
@@ -64,6 +68,39 @@ TEST_F(PictureTest, TruthAndForcesCanBeSeen) {
   const draw::Image image = picture({});
   EXPECT_GT(share(image, wire), 0.002);
   EXPECT_GT(share(image, arrow), 0.002);
+}
+
+TEST_F(PictureTest, ObstaclesOfTheConfigurationCanBeSeen) {
+  drawing_.configuration = (run_.folder() / "palpated.yaml").string();
+  const std::string frames =
+      "frames: {object_in_base: {position: [0.6, 0, 0.3]}, gravity_in_base: [0, 0, -9.81]}\n";
+  const auto with = [&](const std::string& obstacles) {
+    std::ofstream(drawing_.configuration) << frames << obstacles;
+    return picture({1.02});
+  };
+  const draw::Image without = with("");
+  const auto change = [&](const std::string& shape) {
+    const draw::Image image = with("obstacles:\n  - {name: it, " + shape + "}\n");
+    int count = 0;
+    // Not of the legend.
+    for (int row = image.height / 4; row < image.height; ++row)
+      for (int column = 0; column < image.width; ++column) {
+        const std::uint8_t *p = image.pixel(column, row), *q = without.pixel(column, row);
+        if (std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) > 8) ++count;
+      }
+    return count / static_cast<double>(image.width * image.height);
+  };
+  const std::string there = ", pose: {position: [0.7, 0, 0.2]}";
+  EXPECT_GT(change("shape: half_space" + there), 0.15);
+  const double box = change("shape: box, size: [0.06, 0.06, 0.06]" + there);
+  EXPECT_GT(box, 0.005);
+  EXPECT_LT(box, 0.15);
+  for (const char* shape : {"shape: sphere, radius: 0.03", "shape: cylinder, radius: 0.03",
+                            "shape: capsule, radius: 0.02, length: 0.06"})
+    EXPECT_GT(change(shape + there), 0.003) << shape;
+  const std::string lid = "shape: box, size: [0.06, 0.06, 0.06], moved: true";
+  EXPECT_EQ(change(lid), 0) << "nothing has placed it";
+  EXPECT_NEAR(change(lid + there), box, 1e-9);
 }
 
 TEST_F(PictureTest, SeveralTimesMakeSeveralPictures) {

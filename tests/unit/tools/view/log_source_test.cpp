@@ -87,6 +87,33 @@ TEST_F(LogSourceTest, ShowsAnyTimeForwardsAndBack) {
   }
 }
 
+TEST_F(LogSourceTest, ShowsEachObstacleAtAnyTime) {
+  {
+    log::EventLog log(control_);
+    world_state_t message{};
+    message.quaternion[0] = 1;
+    for (int i = 0; i <= 100; ++i) {  // two obstacles at the same time
+      message.utime = kBegin + i * 10'000;
+      message.position[0] = i;
+      bus::put_text(message.name, "plate");
+      log.write("WORLD_STATE", message.utime, message);
+      message.position[0] = -i;
+      bus::put_text(message.name, "lid");
+      if (i < 50) log.write("WORLD_STATE", message.utime, message);
+    }
+  }
+  const auto log = open();
+  Scene scene;
+  for (const int i : {0, 70, 20, 100}) {
+    log->go_to(0.01 * i + 0.001, scene);
+    ASSERT_NE(scene.moved("plate"), nullptr) << i;
+    EXPECT_EQ(scene.moved("plate")->message.position[0], i);
+    ASSERT_NE(scene.moved("lid"), nullptr) << i;
+    EXPECT_EQ(scene.moved("lid")->message.position[0], -std::min(i, 49));
+    EXPECT_EQ(scene.moved("lid")->time_us, kBegin + std::min(i, 49) * 10'000);
+  }
+}
+
 TEST_F(LogSourceTest, SummarisesTheWholeInSeries) {
   const auto log = open();
   const Series& error = log->series().at(0);

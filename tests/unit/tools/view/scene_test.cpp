@@ -138,6 +138,38 @@ TEST(Scene, JoinsTheDynamicPressureOfMessagesThatFollowEachOther) {
   EXPECT_EQ(fingertip.get(), nullptr);
 }
 
+TEST(Scene, KeepsThePlaceOfEachObstacleThatMessagesMove) {
+  Scene scene;
+  world_state_t message{};
+  message.quaternion[0] = 1;
+  const auto send = [&](const std::string& name, double x, std::int64_t time_us) {
+    bus::put_text(message.name, name);
+    message.position[0] = x;
+    give(scene, "WORLD_STATE", message, time_us);
+  };
+  send("plate", 1, 10);
+  send("lid", 2, 10);
+  send("plate", 3, 20);
+  ASSERT_NE(scene.moved("plate"), nullptr);
+  EXPECT_EQ(scene.moved("plate")->message.position[0], 3);
+  EXPECT_EQ(scene.moved("plate")->time_us, 20);
+  EXPECT_EQ(scene.moved("lid")->message.position[0], 2);
+  EXPECT_EQ(scene.moved("tray"), nullptr);
+  EXPECT_EQ(scene.rejected(), 0);
+  send("", 0, 30);
+  send("plate", std::nan(""), 30);
+  message.quaternion[0] = 0.5;
+  send("plate", 0, 30);
+  EXPECT_EQ(scene.rejected(), 3);
+  EXPECT_EQ(scene.moved("plate")->message.position[0], 3);
+  message.quaternion[0] = 1;
+  for (int i = 0; i < 7; ++i) send("name" + std::to_string(i), i, 30 + i);
+  EXPECT_EQ(scene.moved("lid"), nullptr) << "of too many names the oldest is dropped";
+  EXPECT_NE(scene.moved("plate"), nullptr);
+  scene.forget_messages();
+  EXPECT_EQ(scene.moved("plate"), nullptr);
+}
+
 /// For arbitrary bytes there is no crash and no implausible data are accepted.
 TEST(Scene, BearsAnyBytes) {
   Scene scene;
@@ -150,9 +182,10 @@ TEST(Scene, BearsAnyBytes) {
       encoded(health_t{}),
       encoded(component_event_t{}),
       encoded(feature_t{}),
-      encoded(biotac_t{})};
-  const char* const channels[] = {"SHAPE",           "SHAPE_MESH", "HEALTH",
-                                  "COMPONENT_EVENT", "FEATURE",    "BIOTAC_0"};
+      encoded(biotac_t{}),
+      encoded(world_state_t{})};
+  const char* const channels[] = {"SHAPE",   "SHAPE_MESH", "HEALTH",     "COMPONENT_EVENT",
+                                  "FEATURE", "BIOTAC_0",   "WORLD_STATE"};
   for (int i = 0; i < 20'000; ++i) {
     const std::size_t which = random() % seeds.size();
     std::vector<std::uint8_t> payload = seeds[which];
