@@ -19,6 +19,8 @@ WORLDS = SOURCE / "tools/lab/worlds"
 sys.path.insert(0, str(WORLDS))
 
 from live_run import RunFiles, RunPlan, Target, run_live  # noqa: E402
+from scene import read_scene  # noqa: E402
+from touch import obstacles_of_configuration  # noqa: E402
 
 SCENES = SOURCE / "sim/scenes"
 BAR = SOURCE / "rt/config/examples/bar_long_soft.yaml"
@@ -27,6 +29,11 @@ POSES = (
     "motion={start_delay: 0.2, poses: ["
     "{move: 0.7, hold: 0.8, translation: [0, 0, -0.08]}, "
     "{move: 0.7, hold: 0.6, translation: [0, 0.06, 0.04], rotation_deg: [20, 0, 0]}]}"
+)
+# Down onto the table below the bar, in 1.5 s.
+ON_TABLE = (
+    "motion={start_delay: 0.1, poses: [{move: 0.8, hold: 0.6, translation: [-0.005, 0, -0.008],"
+    " rotation_deg: [0, -20, 0]}]}"
 )
 # Coarse enough for a test; what is not converged is within the bounds.
 COARSE = {
@@ -86,6 +93,24 @@ class Worlds(unittest.TestCase):
 
     def test_drake_bends_a_bar_that_palpated_senses(self) -> None:
         self.senses("drake")
+
+    def test_mujoco_lays_a_bar_on_a_table_that_palpated_knows(self) -> None:
+        name = "mujoco"
+        file = SCENES / "bar_long_soft_table.yaml"
+        overrides = [
+            "object.grasp_stiffness=1e7",
+            obstacles_of_configuration(read_scene(file, [])),
+        ]
+        plan = RunPlan(name, file, BAR, [*COARSE[name], "--set", ON_TABLE], overrides, bin=BIN)
+        run, log = self.run_plan(plan)
+        error = palpate.shape_error(log)
+        self.assertLess(error.at_end.mean, 1.2e-3)  # 5 mm without the table
+        self.assertLess(error.at_end.maximum, 4e-3)
+        # Without the table the bar's lower side would be 12 mm deeper.
+        lowest = log["TRUTH_SHAPE"].positions[-1, :, 2].min()
+        self.assertAlmostEqual(lowest, -0.025, delta=0.5e-3)
+        (depth,) = json.loads((run.folder / "world.json").read_text())["penetration_mm"].values()
+        self.assertLess(depth, 1.0)
 
     def test_palpated_steers_a_bar_in_mujoco(self) -> None:
         plan = RunPlan(
@@ -149,6 +174,7 @@ class CommandLine(unittest.TestCase):
             "object.material.young_modulus=soft": "is not a number",
             "object.colour=red": "object.colour",
             "pokes=[]": "pokes",
+            "obstacles=[{shape: mesh, file: table.stl}]": "'mesh' is not supported",
         }
         for override, expected in cases.items():
             done = world(scene, "--world", "mujoco", "--set", override)

@@ -14,11 +14,13 @@ from __future__ import annotations
 import importlib.metadata
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
+from drake_obstacles import add_obstacles, object_properties
 from object_mesh import Ints, ObjectMesh, volumes
-from pydrake.geometry import Box, GeometryInstance, Mesh, ProximityProperties
+from obstacles import Obstacle
+from pydrake.geometry import Box, GeometryInstance, Mesh
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.fem import DeformableBodyConfig, MaterialModel
 from pydrake.multibody.math import SpatialVelocity
@@ -45,6 +47,7 @@ class DrakePlant:
         X_OG: Pose,
         period: float = 0.01,
         damping: float = 0.2,
+        obstacles: Sequence[Obstacle] = (),
     ) -> None:
         """`gravity_O`: m/s^2; `X_OG`: pose of the grasp at rest; `damping`: s, proportional to
         stiffness. Raises ValueError."""
@@ -72,8 +75,11 @@ class DrakePlant:
         self._plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
         self._plant.mutable_gravity_field().set_gravity_vector(gravity_O)
         self._hand = self._add_hand()
+        add_obstacles(self._plant, obstacles)
         self._model = self._plant.deformable_model()
-        self._body = self._register(body, shape.nodes[self._soft], soft_elements)
+        self._body = self._register(
+            body, shape.nodes[self._soft], soft_elements, object_properties(obstacles)
+        )
         hand_box = _shape(body.grasp_box)
         X_GO = _transform(X_OG.inverse())
         world = self._plant.world_body()
@@ -139,7 +145,9 @@ class DrakePlant:
         moment = np.cross(held - X_OG.position, force)
         return np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
 
-    def _register(self, body: ObjectOptions, nodes: Floats, elements: Ints) -> Any:
+    def _register(
+        self, body: ObjectOptions, nodes: Floats, elements: Ints, properties: Any
+    ) -> Any:
         config = DeformableBodyConfig()
         config.set_youngs_modulus(body.young_modulus)
         config.set_poissons_ratio(body.poisson_ratio)
@@ -150,7 +158,7 @@ class DrakePlant:
             file = Path(folder) / "object.vtk"
             _write_vtk(file, nodes, elements)
             geometry = GeometryInstance(RigidTransform(), Mesh(str(file)), "object")
-            geometry.set_proximity_properties(ProximityProperties())
+            geometry.set_proximity_properties(properties)
             return self._model.RegisterDeformableBody(geometry, config, 1.0)
 
     def _add_hand(self) -> Any:

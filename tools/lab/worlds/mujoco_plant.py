@@ -11,7 +11,9 @@ from typing import Sequence
 
 import mujoco
 import numpy as np
+from mujoco_obstacles import OPTIONS, RADIUS, geoms, words
 from object_mesh import ObjectMesh, hexahedra, volumes
+from obstacles import Obstacle
 from rigid import Floats, Pose
 from scene import ObjectOptions
 
@@ -33,13 +35,15 @@ class MujocoPlant:
         X_OG: Pose,
         period: float = 0.002,
         damping: float = 0.02,
+        obstacles: Sequence[Obstacle] = (),
     ) -> None:
-        """`shape`: tetrahedra that fill the object; `gravity_O`: m/s^2; `X_OG`: pose of the grasp
-        at rest; `damping`: s, proportional to stiffness. Raises ValueError."""
+        """`shape`: tetrahedra that fill the object, whose surface touches the obstacles;
+        `gravity_O`: m/s^2; `X_OG`: pose of the grasp at rest; `damping`: s, proportional to
+        stiffness. Raises ValueError."""
         self.period = period
         lower, upper = shape.nodes.min(axis=0), shape.nodes.max(axis=0)
         mass = body.density * float(volumes(shape.nodes, shape.elements).sum())
-        self._model = _model(body, shape, cells, mass, gravity_O, period, damping)
+        self._model = _model(body, shape, cells, mass, gravity_O, period, damping, obstacles)
         self._data = mujoco.MjData(self._model)
         bodies = self._model.flex_nodebodyid.copy()
         borders = [
@@ -108,10 +112,6 @@ class MujocoPlant:
         self._wrench = np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
 
 
-def _words(values: Floats) -> str:
-    return " ".join(f"{value:.12g}" for value in np.ravel(values))
-
-
 def _model(
     body: ObjectOptions,
     shape: ObjectMesh,
@@ -120,16 +120,20 @@ def _model(
     gravity_O: Floats,
     period: float,
     damping: float,
+    obstacles: Sequence[Obstacle],
 ) -> mujoco.MjModel:
-    """The flex alone, with a body of three slide joints for each node of the grid."""
+    """The flex, with a body of three slide joints for each node of the grid, and the obstacles."""
+    touches = 1 if obstacles else 0
     return mujoco.MjModel.from_xml_string(f"""<mujoco>
-  <option gravity="{_words(gravity_O)}" integrator="discrete" timestep="{period}"/>
+  <option gravity="{words(gravity_O)}" integrator="discrete" timestep="{period}"
+      {OPTIONS}/>
   <size memory="2G"/>
   <worldbody>
-    <flexcomp name="object" type="direct" dim="3" origin="{_words(shape.nodes.mean(axis=0))}"
-        dof="quadratic" cellcount="{_words(np.array(cells))}" radius="1e-4" mass="{mass:.12g}"
-        point="{_words(shape.nodes)}" element="{_words(shape.elements)}">
-      <contact selfcollide="none" contype="0" conaffinity="0"/>
+    {geoms(obstacles, period)}
+    <flexcomp name="object" type="direct" dim="3" origin="{words(shape.nodes.mean(axis=0))}"
+        dof="quadratic" cellcount="{words(cells)}" radius="{RADIUS}" mass="{mass:.12g}"
+        point="{words(shape.nodes)}" element="{words(shape.elements)}">
+      <contact selfcollide="none" contype="{touches}" conaffinity="{touches}"/>
       <elasticity young="{body.young_modulus}" poisson="{body.poisson_ratio}" damping="{damping}"/>
     </flexcomp>
   </worldbody>

@@ -8,7 +8,8 @@ from typing import Optional
 
 import numpy as np
 from rigid import Floats, Pose, cross, exp_rotation
-from scene import Scene, SceneError
+from scene import Scene
+from scene_reader import SceneError
 from scipy.spatial.transform import Rotation
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from arm import Arm
 from palpate.messages import ft_wrench_t, hand_state_t, imu_t, robot_state_t
 from rigid import Floats, Pose, cross, twist_at
-from scene import Scene, SceneError
+from scene import Scene
+from scene_reader import SceneError
 from scipy.spatial.transform import Rotation
 
 GRAVITY_W = np.array([0, 0, -9.81])  # m/s^2

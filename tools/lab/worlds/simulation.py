@@ -7,6 +7,7 @@ from typing import Optional
 
 import numpy as np
 from arm import Arm
+from obstacles import penetrations
 from palpate import Bus
 from plant import Plant
 from publisher import TruthPublisher
@@ -45,6 +46,9 @@ class Simulation:
         self._wrench: Floats = np.zeros(6)
         self._settled: tuple[Floats, Pose, int] = (plant.positions, arm.grasp_in_object(), 0)
         self._published = 0  # tick of the last true shape
+        self._obstacles = scene.obstacles
+        self._free = np.setdiff1d(np.arange(len(plant.mesh.nodes)), [*plant.clamped, *plant.held])
+        self.penetrations = np.zeros(len(scene.obstacles))  # m, of free nodes, largest of the run
         self.start_utime = 0
         self.tick = 0
         self.plant_steps = 0
@@ -105,4 +109,7 @@ class Simulation:
     def _accept(self, X_OG: Pose, tick: int) -> None:
         self.plant_steps += 1
         self._wrench = self._plant.hand_wrench
-        self._settled = (self._plant.positions, X_OG, tick)
+        positions = self._plant.positions
+        self._settled = (positions, X_OG, tick)
+        depths = penetrations(self._obstacles, positions[self._free])
+        self.penetrations = np.maximum(self.penetrations, depths)

@@ -40,14 +40,18 @@ def make_plant(
     counts = list(cells) if cells else default_cells(size, longest)
     period, damping = period or own_period, own_damping if damping is None else damping
     if world == "mujoco":
-        from mujoco_plant import MujocoPlant  # only the packages of this world are needed
+        from mujoco_obstacles import FACETS  # only the packages of this world are needed
+        from mujoco_plant import MujocoPlant
 
-        shape = given or box_of_tetrahedra([np.array([0.0, side]) for side in size])
-        return MujocoPlant(body, shape, counts, gravity, X_OG, period, damping)
+        facets = [FACETS * n if scene.obstacles else 1 for n in counts]
+        shape = given or box_of_tetrahedra(
+            [np.linspace(0, side, n + 1) for side, n in zip(size, facets)]
+        )
+        return MujocoPlant(body, shape, counts, gravity, X_OG, period, damping, scene.obstacles)
     from drake_plant import DrakePlant
 
     shape = given or _drake_box(body, size, counts)
-    return DrakePlant(body, shape, gravity, X_OG, period, damping)
+    return DrakePlant(body, shape, gravity, X_OG, period, damping, scene.obstacles)
 
 
 def _drake_box(body: ObjectOptions, size: Floats, counts: Sequence[int]) -> ObjectMesh:

@@ -9,14 +9,25 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 SOURCE = Path(os.environ["PALPATE_SOURCE_DIR"])
 sys.path.insert(0, str(SOURCE / "tools/lab/worlds"))
 
 from arm import Arm, motion_at  # noqa: E402
 from object_mesh import box_of_tetrahedra, graded_borders, hexahedra, volumes  # noqa: E402
+from obstacles import (  # noqa: E402
+    Capsule,
+    Cuboid,
+    Cylinder,
+    HalfSpace,
+    Obstacle,
+    Sphere,
+    penetrations,
+)
 from rigid import Pose, exp_rotation  # noqa: E402
-from scene import Scene, SceneError, read_scene  # noqa: E402
+from scene import Scene, read_scene  # noqa: E402
+from scene_reader import SceneError  # noqa: E402
 from sensors import SensorSuite, Signal  # noqa: E402
 from worlds import make_plant  # noqa: E402
 
@@ -48,6 +59,90 @@ class Scenes(unittest.TestCase):
             except SceneError as error:
                 self.assertIn(str(file), str(error))
         self.assertGreaterEqual(read, 10)
+
+
+class Obstacles(unittest.TestCase):
+    def test_distances_are_signed(self) -> None:
+        cases = (
+            (HalfSpace(), [3, 4, -0.2], -0.2),
+            (Sphere(0.5), [0, 0.3, 0.4], 0.0),
+            (Sphere(0.5), [0, 0, 0.1], -0.4),
+            (Cuboid(np.array([2.0, 4, 6])), [4, 6, 0], 5.0),  # beyond an edge: 3, 4
+            (Cuboid(np.array([2.0, 4, 6])), [0.9, 0, 0], -0.1),
+            (Cylinder(1.0, 2.0), [0, 4, 5], 5.0),  # beyond the rim: 3, 4
+            (Cylinder(1.0, 2.0), [0, 0.5, 0.9], -0.1),
+            (Cylinder(1.0, None), [0, 4, 5], 3.0),
+            (Capsule(1.0, 2.0), [3, 0, 5], 4.0),  # from the end's centre: 3, 4
+            (Capsule(1.0, 2.0), [0.2, 0, 0.5], -0.8),
+        )
+        for shape, point, expected in cases:
+            distance = shape.distance(np.array([point], float))
+            np.testing.assert_allclose(distance, [expected], atol=1e-12, err_msg=str(shape))
+
+    def test_distances_have_gradients_of_unit_length(self) -> None:
+        points = np.random.default_rng(1).uniform(-2, 2, (200, 3))
+        shapes = (Cuboid(np.ones(3)), Sphere(0.7), Cylinder(0.6, 1.0), Capsule(0.5, 1.0))
+        for shape in shapes:
+            steps = [1e-6 * axis for axis in np.eye(3)]
+            slopes = [(shape.distance(points + d) - shape.distance(points - d)) for d in steps]
+            np.testing.assert_allclose(np.linalg.norm(slopes, axis=0) / 2e-6, 1, atol=1e-6)
+
+    def test_penetration_is_that_of_the_deepest_point(self) -> None:
+        table = Obstacle("table", HalfSpace(), Pose(position=np.array([0, 0, -0.1])), 0.5)
+        far = Obstacle("far", Sphere(0.1), Pose(position=np.array([9.0, 0, 0])), 0.5)
+        points = np.array([[0, 0, 0.0], [1, 0, -0.12], [0, 1, -0.11]])
+        np.testing.assert_allclose(penetrations([table, far], points), [0.02, 0])
+
+    def test_a_scene_and_a_configuration_describe_the_same_obstacles(self) -> None:
+        rods = (
+            "[{cylinder: {point: [0.24, 0.03, -0.045], axis: [0, 2, 0], radius: 0.03, length: 0.2},"
+            " friction: 0.3, stiffness: 1e6}]",
+            "[{shape: cylinder, radius: 0.03, length: 0.2, friction: 0.3,"
+            " pose: {position: [1.12, 0, 0.235], rpy_deg: [90, 0, 0]}}]",
+        )
+        points = np.random.default_rng(1).uniform(-0.3, 0.3, (50, 3))
+        distances = []
+        for text in rods:
+            (rod,) = read_scene(CONTROL, [f"obstacles={text}"]).obstacles
+            self.assertEqual(rod.friction, 0.3)
+            distances.append(rod.distance(points))
+        np.testing.assert_allclose(distances[0], distances[1], atol=1e-12)
+
+    def test_palpated_is_given_the_obstacles_of_the_scene(self) -> None:
+        from touch import obstacles_of_configuration
+
+        for name in ("table", "cylinder"):
+            scene = read_scene(SOURCE / f"sim/scenes/bar_long_soft_{name}.yaml", [])
+            entries = yaml.safe_load(obstacles_of_configuration(scene).partition("=")[2])
+            for entry in entries:
+                self.assertEqual(entry.pop("allowed"), "contact")
+            again = read_scene(CONTROL, [f"obstacles={entries}"])
+            points = np.random.default_rng(1).uniform(-0.3, 0.3, (50, 3))
+            self.assertEqual(again.obstacles[0].friction, scene.obstacles[0].friction)
+            ours, theirs = (each.obstacles[0].distance(points) for each in (scene, again))
+            np.testing.assert_allclose(ours, theirs, atol=1e-12)
+
+    def test_what_no_world_has_is_rejected_by_name(self) -> None:
+        cases = {
+            "[{shape: mesh, file: a.stl}]": "obstacles.0.shape: 'mesh'",
+            "[{shape: sphere, radius: 0.1, moved: true}]": "obstacles.0.moved",
+            "[{shape: sphere, radius: 0.1, link: hand}]": "obstacles.0.link",
+            "[{shape: sphere, radius: 0}]": "obstacles.0.radius",
+            "[{shape: box, size: [1, 0, 1]}]": "obstacles.0.size",
+            "[{friction: 0.5}]": "obstacles.0.shape",
+            "[{plane: {point: [0, 0, 0], normal: [0, 0, 0]}}]": "obstacles.0.plane.normal",
+            "[{name: a, shape: half_space}, {name: a, shape: half_space}]": "obstacles.1.name",
+        }
+        for text, expected in cases.items():
+            with self.assertRaisesRegex(SceneError, expected):
+                read_scene(CONTROL, [f"obstacles={text}"])
+
+    def test_drake_averages_friction_to_that_of_the_obstacle(self) -> None:
+        from drake_obstacles import counterpart
+
+        for friction in (0.0, 0.2, 0.5):
+            other = counterpart(friction, 0.5)
+            self.assertAlmostEqual(2 * other * 0.5 / (other + 0.5), friction)
 
 
 class Motion(unittest.TestCase):
@@ -199,6 +294,32 @@ class Plants(unittest.TestCase):
                 plant.step(X_OG)
             half = 26 * 0.5 * 0.06**2 * 9.81 / 2
             self.assertAlmostEqual(plant.hand_wrench[2], half, delta=0.01 * half, msg=world)
+
+    def test_every_kind_of_obstacle_holds_a_bar_up(self) -> None:
+        """Pressed 5 mm down onto its top, 1 mm below the bar; half spaces: process.worlds."""
+        place = "pose: {position: [1.16, 0, %g]}"  # in W; the bar's lower side is at 0.28
+        obstacles = (
+            "shape: box, size: [0.2, 0.2, 0.02], " + place % 0.269,
+            "shape: sphere, radius: 0.1, " + place % 0.179,
+            "shape: cylinder, radius: 0.1, length: 0.02, " + place % 0.269,
+            "shape: capsule, radius: 0.1, length: 0.1, " + place % 0.129,
+        )
+        start, end = np.array([0.47, 0.03, 0.03]), np.array([0.47, 0.03, 0.025])
+        for text in obstacles:
+            scene = self.scene(f"obstacles=[{{{text}}}]")
+            for world, cells in self.CELLS.items():
+                if world == "drake" and "shape: box" not in text:
+                    continue  # takes long; Drake touches each by its triangles
+                plant = make_plant(world, scene, Pose(np.eye(3), start), cells, 0.01, 0.1)
+                for step in range(60):
+                    share = min(1, step / 30)
+                    plant.step(Pose(np.eye(3), start + share * (end - start)))
+                depth = penetrations(scene.obstacles, plant.positions)[0]
+                middle = np.abs(plant.mesh.nodes[:, 0] - 0.2) < 0.026
+                raised = plant.positions[middle, 2].min() + 0.001
+                self.assertLess(depth, 5e-4, f"{world}, {text}")
+                self.assertGreater(raised, -5e-4, f"{world}, {text}")  # without: -1.1e-3
+                self.assertLess(plant.hand_wrench[2], 0, f"{world}, {text}")
 
     def test_a_mesh_file_is_taken(self) -> None:
         import meshio
