@@ -11,13 +11,13 @@ namespace {
 /// Size of the force of a contact that the model does not have, relative to that of the hand, which
 /// bears a part of it; and variance of the part of the wrench that its assumed place does not
 /// explain, because it acts elsewhere and over an area.
-constexpr double kSize = 4, kPlaceError = 0.25 * 0.25;
+constexpr double kSize = 4, kElsewhere = 0.25 * 0.25;
 
 /// Covariance of the wrench by an uncertain unit force that acts elsewhere than `by_force` says.
 math::Matrix6d elsewhere(const math::Vector6d& by_force) noexcept {
   math::Matrix6d covariance = math::Matrix6d::Zero();
-  covariance.diagonal().head<3>().setConstant(kPlaceError * by_force.head<3>().squaredNorm());
-  covariance.diagonal().tail<3>().setConstant(kPlaceError * by_force.tail<3>().squaredNorm());
+  covariance.diagonal().head<3>().setConstant(kElsewhere * by_force.head<3>().squaredNorm());
+  covariance.diagonal().tail<3>().setConstant(kElsewhere * by_force.tail<3>().squaredNorm());
   return covariance;
 }
 
