@@ -1,5 +1,5 @@
 """Reads a scene's YAML file, the files that it names as its `base`, and overrides, key by key. Keys
-that no reader reads are rejected, never ignored.
+that nothing reads are rejected, never ignored.
 """
 
 from __future__ import annotations
