@@ -106,7 +106,7 @@ TEST_F(ObstacleMotionTest, AnEstimateDisplacesObstaclesInTheirOwnFrames) {
   ASSERT_EQ(motion.free_directions().size(), 3u);
   signals_.robot.latest.joint_count = 2;
   for (int i = 0; i < 2; ++i) {  // it does not add up
-    motion.update(signals_, true, {0.002, 0.1, 0.003});
+    EXPECT_TRUE(motion.update(signals_, true, {0.002, 0.1, 0.003}).is_ok());
     EXPECT_EQ(motion.X_WB(0).translation(), Vector3d(1, 2, 3));
     const math::Pose table = motion.X_WB(1);
     EXPECT_LT((table.translation() - Vector3d(0, -0.002, 1)).norm(), 1e-12) << "z of its frame";

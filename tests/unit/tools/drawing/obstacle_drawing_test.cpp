@@ -13,11 +13,11 @@
 namespace palpate::drawing {
 namespace {
 
-const std::string kArm = std::string(PALPATE_SOURCE_DIR) + "/sim/robot/lwr_hand.urdf";
+const std::string kCarrier = std::string(PALPATE_SOURCE_DIR) + "/sim/robot/lwr_hand.urdf";
 
 std::vector<ObstacleDrawing> read(const std::string& list) {
   return read_obstacle_drawings(
-      config::Node::from_text("robot: {urdf: " + kArm + "}\nobstacles:\n" + list));
+      config::Node::from_text("robot: {urdf: " + kCarrier + "}\nobstacles:\n" + list));
 }
 
 TEST(ObstacleDrawing, HasTheShapeOfTheConfiguration) {
@@ -113,7 +113,7 @@ TEST(ObstacleDrawing, OfALinkFollowsTheJoints) {
   EXPECT_TRUE(pose_in_world(obstacles[0], {nullptr, &robot, nullptr})) << "needs four joints";
   robot.joint_count = 7;
   kinematics::SerialChain::State state;
-  registry::read_urdf(kArm, "hand").evaluate(q, state);
+  registry::read_urdf(kCarrier, "hand").evaluate(q, state);
   const auto X_WB = pose_in_world(obstacles[1], {nullptr, &robot, nullptr});
   ASSERT_TRUE(X_WB);
   EXPECT_TRUE(X_WB->translation().isApprox(state.X_WE * Eigen::Vector3d(0, 0, 0.1), 1e-12));
