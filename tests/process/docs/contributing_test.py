@@ -92,15 +92,19 @@ class Copy:
         raise AssertionError(f"{target} is not in compile_commands.json")
 
     def compile(self, target, folder, whole=False):
-        """Objects of the sources of `folder` that the change reaches, or of all but main.cpp."""
-        objects = []
+        """Objects of the sources of `folder` that the change reaches; or one of all but main.cpp, compiled together."""
         flags = self.flags(target)
         flags = flags[next(i for i, word in enumerate(flags) if word.endswith("c++")):]
-        for path in sorted((self.root / folder).glob("*.cpp")):
-            name = path.relative_to(self.root).as_posix()
-            if path.name == "main.cpp" or not (whole or self.includes(name) & self.changed):
-                continue
-            made = self.root / (name.replace("/", "_") + ".o")
+        sources = [path for path in sorted((self.root / folder).glob("*.cpp")) if path.name != "main.cpp"]
+        if whole:
+            together = self.root / f"all_of_{folder.replace('/', '_')}.cpp"
+            together.write_text("".join(f'#include "{path}"\n' for path in sources), encoding="utf-8")
+            sources = [together]
+        else:
+            sources = [path for path in sources if self.includes(path.relative_to(self.root).as_posix()) & self.changed]
+        objects = []
+        for path in sources:
+            made = self.root / (path.relative_to(self.root).as_posix().replace("/", "_") + ".o")
             run([*flags, "-c", str(path), "-o", str(made)], cwd=BUILD)
             objects.append(str(made))
         return objects
