@@ -91,15 +91,24 @@ class Copy:
                 return [word for word in own if "=" not in word or not word.startswith("CCACHE")]
         raise AssertionError(f"{target} is not in compile_commands.json")
 
+    def batches(self, target, folder):
+        """Copies of the sources that BUILD compiles several at a time, in which those of the copy stand instead."""
+        made = []
+        for batch in sorted((BUILD / folder / f"CMakeFiles/{target}.dir/Unity").glob("*.cxx")):
+            lines = [line for line in batch.read_text(encoding="utf-8").splitlines() if f'"{ROOT / folder}/' in line]
+            made.append(self.root / f"{target}_{batch.stem}.cpp")
+            made[-1].write_text("\n".join(lines).replace(f'"{ROOT}/', f'"{self.root}/') + "\n", encoding="utf-8")
+        return made
+
     def compile(self, target, folder, whole=False):
-        """Objects of the sources of `folder` that the change reaches; or one of all but main.cpp, compiled together."""
+        """Objects of the sources of `folder` that the change reaches, or of all but main.cpp."""
         flags = self.flags(target)
         flags = flags[next(i for i, word in enumerate(flags) if word.endswith("c++")):]
         sources = [path for path in sorted((self.root / folder).glob("*.cpp")) if path.name != "main.cpp"]
         if whole:
-            together = self.root / f"all_of_{folder.replace('/', '_')}.cpp"
-            together.write_text("".join(f'#include "{path}"\n' for path in sources), encoding="utf-8")
-            sources = [together]
+            batches = self.batches(target, folder)
+            together = "".join(batch.read_text(encoding="utf-8") for batch in batches)
+            sources = batches + [path for path in sources if str(path) not in together]
         else:
             sources = [path for path in sources if self.includes(path.relative_to(self.root).as_posix()) & self.changed]
         objects = []
