@@ -73,7 +73,6 @@ WrenchConsistency::WrenchConsistency(const elasticity::Body& body, const WrenchS
                                      const WrenchFilter::Options& priors, const Options& options)
     : states_{static_cast<int>(body.grasps.size()), static_cast<int>(priors.obstacles.size())},
       sampling_(sampling),
-      options_(options),
       threshold_(chi_square_6(options.false_alarms / kTestsPerHour) / kHandRows),
       touch_(priors.obstacles),
       prior_(prior_knowledge(body, priors, options)),

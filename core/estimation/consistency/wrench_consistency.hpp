@@ -93,7 +93,6 @@ class WrenchConsistency {
 
   WrenchStates states_;
   WrenchSampling sampling_;
-  Options options_;
   std::array<double, 2> lever_{};
   double threshold_;
   UncertainTouch touch_;
