@@ -15,8 +15,8 @@ namespace palpate::estimation {
 /// says of d where the contact may be open. Statistical linearisation (Gelb 1974, section 6.2)
 /// replaces it, for normally distributed d, by the mean of the force, its regression on d and the
 /// remaining variance. An obstacle that the model does not touch yet, but that may be touched in
-/// truth, adds an unknown force at the nearest point, along its normal, about as large as that of
-/// the hand. Nothing allocates after construction.
+/// truth, adds an unknown force at the nearest point, along its normal, of up to several times that
+/// of the hand. Nothing allocates after construction.
 class UncertainTouch {
  public:
   using Directions = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0,

@@ -10,8 +10,8 @@ namespace palpate::estimation {
 /// its nominal value; for each hand the relative errors of the elastic part of each component of
 /// its wrench (stiffness that differs between tension, bending and torsion, in O), and two errors
 /// that vary with its pose: of the grasp (m, rad, in G), and of the predicted wrench relative to
-/// its size (in O); the motion of obstacles in their free
-/// directions (m, rad, in B). Causes of a discrepancy may append states of their own.
+/// its size (in O); the motion of obstacles in their free directions (m, rad, in B). Causes of a
+/// discrepancy may append states of their own.
 struct WrenchStates {
   static constexpr int kMostAppended = 15;
   static constexpr int kMost = 63 + collision::kMostFreeDirections + kMostAppended;
