@@ -75,9 +75,8 @@ Pivots SupernodalFactor::pivots(Held held) const {
   return sum;
 }
 
-bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
-  const Supernodes& nodes = *supernodes_;
-  const BlockPattern& pattern = nodes.pattern();
+SupernodalFactor::Storage SupernodalFactor::begin(const BlockMatrix& A, double shift) noexcept {
+  const BlockPattern& pattern = supernodes_->pattern();
   for (int k = 0; k < pattern.size(); ++k) {
     const Eigen::Matrix3d& block = A.block(pattern.column_start()[k]);
     for (int axis = 0; axis < 3; ++axis) {
@@ -87,6 +86,19 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   }
   interior_regular_ = false;
   interior_ = {};
+  return {panels_.data(), d_.data(), scale_.data(), schur_.data()};
+}
+
+void SupernodalFactor::finish(const Pivots& interior) noexcept {
+  interior_ = interior;
+  for (Border& border : borders_) factorise_border(border);
+  interior_regular_ = true;
+}
+
+bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
+  const Supernodes& nodes = *supernodes_;
+  const BlockPattern& pattern = nodes.pattern();
+  begin(A, shift);
   std::array<double*, 2> top{stacks_[0].data(), stacks_[1].data()};
   for (int s = 0; s < nodes.count(); ++s) {
     double*& own = top[depth_[s] % 2];
@@ -111,8 +123,7 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   for (int i = 0; i < rows; ++i) local_[first + i] = i;
   assemble(A, first, front);
   gather(children_.back(), top[1], front);
-  for (Border& border : borders_) factorise_border(border);
-  interior_regular_ = true;
+  finish(interior_);
   return true;
 }
 

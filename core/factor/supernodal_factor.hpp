@@ -64,18 +64,19 @@ class DenseLdl {
 /// A = L D L^T in double precision, multifrontal, without pivoting. The interior is factored once;
 /// the Schur complement of the border is factored for each set of grasp patches that may be held,
 /// so that one factor serves all of them. Contains the workspace: not thread-safe; nothing
-/// allocates after construction.
+/// allocates after construction. Derived classes compute the same factor in another way.
 class SupernodalFactor {
  public:
   /// `supernodes` must outlive the factor.
   explicit SupernodalFactor(const Supernodes& supernodes);
   explicit SupernodalFactor(Supernodes&&) = delete;
+  virtual ~SupernodalFactor() = default;
 
   const Supernodes& supernodes() const { return *supernodes_; }
 
   /// `shift` (N/m) is added to the diagonal. False if a pivot of the interior vanishes to rounding:
   /// the matrix is singular and the factor must not be used.
-  bool factorise(const BlockMatrix& A, double shift = 0) noexcept;
+  virtual bool factorise(const BlockMatrix& A, double shift = 0) noexcept;
 
   /// Whether solve() is available with these groups held; false if the free part of the border is
   /// singular to rounding.
@@ -100,6 +101,21 @@ class SupernodalFactor {
   /// Inverse of the Schur complement over the rows of the free groups, row and column 0 being the
   /// first free unknown; both triangles, column-major, written to `inverse`. Requires is_regular().
   void invert_border(Held held, double* inverse) const noexcept;
+
+ protected:
+  /// Storage for factorise() of a derived class, and its first and last steps.
+  struct Storage {
+    double* panels;  // one supernode after the other, as panel() describes
+    double* d;
+    const double* scale;  // N/m, magnitude of the matrix around each diagonal entry
+    double* schur;  // Schur complement of the whole border, column-major; its lower half is read
+  };
+  /// Sets diagonal() and `scale` from a matrix; the factor is not to be used until finish().
+  Storage begin(const BlockMatrix& A, double shift) noexcept;
+  /// Declares L, `d` and `schur` complete and factors the border. `interior`: the pivots `d`.
+  void finish(const Pivots& interior) noexcept;
+  /// Adds room for `size` numbers behind the panels, which may move.
+  void extend_panels(std::ptrdiff_t size) { panels_.resize(panels_.size() + size); }
 
  private:
   struct Border {

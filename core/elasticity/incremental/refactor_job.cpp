@@ -12,7 +12,7 @@ RefactorJob::RefactorJob(const NumberedBody& body, const SolverOptions& options,
       matrix_(pattern_),
       warped_(pattern_),
       mass_(mass_blocks(body.elements, pattern_)),
-      factorisation_(body.supernodes),
+      factorisation_(options.make_factor(body.supernodes)),
       response_(body.body, body.elements, pattern_,
                 collision::free_directions(options.contact.obstacles)),
       stress_(make_stress_evaluator(body.elements)) {
@@ -39,7 +39,7 @@ void RefactorJob::add_step() {
 }
 
 bool RefactorJob::factorise(double shift) {
-  return factorisation_.factorise(matrix_, shift) && factorisation_.is_positive(snapshot.held);
+  return factorisation_->factorise(matrix_, shift) && factorisation_->is_positive(snapshot.held);
 }
 
 void RefactorJob::run() noexcept {
@@ -48,7 +48,7 @@ void RefactorJob::run() noexcept {
   stress_->evaluate(snapshot.positions, sensitivity.stress);
   assemble(Tangent::kExact);
   factor.exact = factorise();
-  if (factor.exact) response_.compute(snapshot, matrix_, factorisation_, sensitivity);
+  if (factor.exact) response_.compute(snapshot, matrix_, *factorisation_, sensitivity);
   if (factor.step.inertia > 0) {
     add_step();
     factor.exact = factorise();
@@ -68,9 +68,9 @@ void RefactorJob::run() noexcept {
     factor.regularised = true;
     factor.usable = factorise(1e-4 * largest);
   }
-  factor.usable = factor.usable && factor.panels.assign(factorisation_);
+  factor.usable = factor.usable && factor.panels.assign(*factorisation_);
   if (factor.usable && !contact_samples.empty()) {
-    factor.columns.fill(contact_samples, factorisation_, snapshot.held);
+    factor.columns.fill(contact_samples, *factorisation_, snapshot.held);
   }
 }
 

@@ -40,7 +40,7 @@ class RefactorJob final : public Refactorisation {
   std::unique_ptr<ElementTangents> tangents_;
   factor::BlockMatrix matrix_, warped_;
   Eigen::VectorXd mass_;  // kg, by block
-  factor::SupernodalFactor factorisation_;
+  std::unique_ptr<factor::SupernodalFactor> factorisation_;
   StaticResponse response_;
   std::unique_ptr<StressEvaluator> stress_;
 };

@@ -4,6 +4,7 @@
 
 #include "core/elasticity/contact/contact_options.hpp"
 #include "core/elasticity/element_forces.hpp"
+#include "core/factor/factor_maker.hpp"
 #include "core/factor/solve_panels.hpp"
 #include "core/math/team.hpp"
 
@@ -26,6 +27,7 @@ struct SolverOptions {
   double time_step = 1e-3;                   // s, time step of the factor that prepare() computes
   Precision precision = Precision::kDouble;  // arithmetic inside elements
   factor::PanelPrecision panels = factor::PanelPrecision::kSingle;  // storage of the factor
+  factor::FactorMaker make_factor = factor::make_own_factor;        // of the background job
   // Conditions for requesting a new factor:
   double turned = 0.02;      // rad, largest rotation of a node since the snapshot
   double contraction = 0.3;  // fraction of the residual that remains after a correction

@@ -1,0 +1,59 @@
+#include "core/factor/cholmod/one_thread.hpp"
+
+#include <dlfcn.h>
+
+namespace palpate::factor {
+namespace {
+
+// OpenMP's functions are looked up at run time, because which OpenMP there is, if any, is the
+// choice of who has built CHOLMOD.
+template <class Function>
+Function* loaded_function(void* library, const char* name) {
+  return reinterpret_cast<Function*>(dlsym(library, name));
+}
+
+struct Levels {
+  int (*get)() = loaded_function<int()>(RTLD_DEFAULT, "omp_get_max_active_levels");
+  void (*set)(int) = loaded_function<void(int)>(RTLD_DEFAULT, "omp_set_max_active_levels");
+};
+
+const Levels& openmp_levels() {
+  static const Levels levels;
+  return levels;
+}
+
+}  // namespace
+
+OneThread::OneThread() noexcept {
+  const Levels& levels = openmp_levels();
+  if (levels.get == nullptr || levels.set == nullptr) return;
+  levels_ = levels.get();
+  levels.set(0);
+}
+
+OneThread::~OneThread() {
+  const Levels& levels = openmp_levels();
+  if (levels.get != nullptr && levels.set != nullptr) levels.set(levels_);
+}
+
+Blas loaded_blas() {
+  Blas blas;
+  Dl_info found{};
+  void* const product = dlsym(RTLD_DEFAULT, "dgemm_");
+  if (product == nullptr || dladdr(product, &found) == 0) return blas;
+  blas.file = found.dli_fname;
+  // Several instances of OpenBLAS may be loaded: that of the product is asked.
+  void* const library = dlopen(found.dli_fname, RTLD_LAZY | RTLD_NOLOAD);
+  if (library == nullptr) return blas;
+  for (const char* name :
+       {"openblas_get_num_threads", "bli_thread_get_num_threads", "MKL_Get_Max_Threads"}) {
+    if (const auto threads = loaded_function<int()>(library, name)) {
+      blas.threads = threads() > 1 ? threads() : 1;  // BLIS: -1 unless set
+      break;
+    }
+  }
+  dlclose(library);
+  return blas;
+}
+
+}  // namespace palpate::factor
