@@ -6,6 +6,7 @@
 #include "rt/config/command_line.hpp"
 #include "rt/loop/real_time.hpp"
 #include "rt/loop/spin_team.hpp"
+#include "tests/bench/core/elasticity/factor_choice.hpp"
 #include "tests/bench/core/elasticity/floor_report.hpp"
 #include "tests/bench/core/elasticity/latency_report.hpp"
 #include "tests/bench/core/elasticity/latency_suite.hpp"
@@ -17,6 +18,7 @@ namespace {
 struct Arguments {
   LatencyOptions options;
   std::string element = "quadratic", motion = "L", mechanics = "dynamic", refactor = "background";
+  std::string factor = "own";
   std::string json, plot = "scaling.png";
   int nodes = 475;
   std::vector<int> cells;
@@ -64,6 +66,8 @@ void add_options(CLI::App& app, Arguments& a) {
       {"single", factor::PanelPrecision::kSingle}, {"half", factor::PanelPrecision::kHalf}};
   app.add_option("--panels", a.options.solver.panels, "of the factor")
       ->transform(CLI::CheckedTransformer(panels));
+  app.add_option("--factor", a.factor, "computed in the background by: own or cholmod")
+      ->capture_default_str();
   app.add_option("--tolerance", a.options.solver.tolerance,
                  "N, residual at which a step ends early")
       ->check(CLI::PositiveNumber)
@@ -122,6 +126,7 @@ int run(Arguments& a) {
   o.mechanics = a.mechanics == "dynamic" ? Mechanics::kDynamic : Mechanics::kQuasistatic;
   o.refactor = RefactorPolicy::parse(a.refactor);
   o.solver.time_step = o.dt;
+  o.solver.make_factor = factor_maker(a.factor);
   if (a.threads > 1) {
     loop::SpinTeamOptions team;
     team.size = a.threads;
