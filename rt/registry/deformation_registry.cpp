@@ -9,6 +9,11 @@
 #include "rt/loop/spin_team.hpp"
 #include "rt/registry/slot.hpp"
 
+#ifdef PALPATE_SUITESPARSE
+#include "core/factor/cholmod/cholmod_factor.hpp"
+#include "core/factor/cholmod/one_thread.hpp"
+#endif
+
 namespace palpate::registry {
 namespace {
 
@@ -24,9 +29,35 @@ OptionTable<Options> tolerance() {
       &Options::tolerance);
 }
 
+#ifdef PALPATE_SUITESPARSE
+constexpr factor::FactorMaker kDefaultFactor = factor::make_cholmod_factor;
+const std::vector<std::pair<std::string, factor::FactorMaker>> kFactors{
+    {"cholmod", factor::make_cholmod_factor}, {"own", factor::make_own_factor}};
+
+/// The threads of a parallel BLAS would take the processors of the loop.
+void check_factor(const config::Node& node, factor::FactorMaker maker) {
+  if (maker != factor::make_cholmod_factor) return;
+  const factor::Blas blas = factor::loaded_blas();
+  if (blas.threads > 1)
+    node.fail("factor",
+              "cholmod needs a BLAS with one thread; " + blas.file + " uses " +
+                  std::to_string(blas.threads) +
+                  ". Select that of the package libopenblas0-serial by update-alternatives, or "
+                  "allowed: own");
+}
+#else
+constexpr factor::FactorMaker kDefaultFactor = factor::make_own_factor;
+const std::vector<std::pair<std::string, factor::FactorMaker>> kFactors{
+    {"own", factor::make_own_factor}};
+
+void check_factor(const config::Node&, factor::FactorMaker) {}
+#endif
+
 OptionTable<elasticity::SolverOptions> solver_options() {
   using Options = elasticity::SolverOptions;
-  return OptionTable<Options>()
+  Options defaults;
+  defaults.make_factor = kDefaultFactor;
+  return OptionTable<Options>(defaults)
       .integer("iterations", "Largest number of quasi-Newton corrections in a step", {1, 50},
                &Options::iterations)
       .part(tolerance<Options>())
@@ -42,6 +73,11 @@ OptionTable<elasticity::SolverOptions> solver_options() {
           "panels", "Precision of the stored factor",
           {{"single", factor::PanelPrecision::kSingle}, {"half", factor::PanelPrecision::kHalf}},
           &Options::panels)
+      .choice<factor::FactorMaker>(
+          "factor",
+          "Who computes the factor in the background; cholmod: L L^T by CHOLMOD, or the own "
+          "L D L^T where a matrix is not positive definite; own: always the latter",
+          kFactors, &Options::make_factor)
       .integer("refine",
                "Number of columns of the sensitivity that a quasi-static step corrects as well; "
                "6: all once, 12: all twice",
@@ -94,6 +130,7 @@ Model make_corotational(const config::Node& node, const Context& context) {
     return std::make_unique<elasticity::Thesis2018>(body);
   }
   elasticity::SolverOptions options = node.read(solver_options());
+  check_factor(node, options.make_factor);
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;

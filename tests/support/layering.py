@@ -31,7 +31,7 @@ ALLOWED = {
     "rt/config": "core/math core/mesh rt/bus",
     "rt/inference": "core/sensing rt/loop rt/config",
     "rt/plugin": "core/mesh core/sensing core/contact core/estimation core/control rt/loop rt/config",
-    "rt/registry": "core/math core/mesh core/collision core/elasticity core/sensing core/contact core/estimation core/frames "
+    "rt/registry": "core/math core/mesh core/collision core/factor core/elasticity core/sensing core/contact core/estimation core/frames "
                    "core/shape core/kinematics core/control rt/loop rt/config rt/inference rt/plugin",
     "rt/pipeline": "core/math core/mesh core/collision core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
     "rt/daemon": "core/elasticity core/sensing core/estimation core/shape rt/loop rt/bus rt/config rt/plugin rt/registry rt/pipeline",

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 #include <palpate/robot_state_t.hpp>
 
 #include "tests/process/daemon/daemon_process.hpp"
@@ -27,6 +28,27 @@ TEST_F(DaemonProcess, StartsInactiveWithZeroCommandAndEndsOnSigterm) {
   EXPECT_GT(commands, 0);
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait(milliseconds(10000)), 0) << daemon.output();
+}
+
+// Neither CHOLMOD nor its BLAS has threads of its own, after the first factor at the latest.
+TEST_F(DaemonProcess, HasTheSameThreadsWhoeverComputesItsFactors) {
+  std::int64_t session = 0;
+  std::vector<std::ptrdiff_t> threads;
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>(), {"--set", "deformation.factor=own"}}) {
+    ChildProcess daemon(command(more));
+    health_t health{};
+    ASSERT_TRUE(wait_health(
+        [session](const health_t& h) { return h.session != session && h.cycles > 200; }, health))
+        << daemon.output();
+    session = health.session;
+    const std::filesystem::directory_iterator tasks("/proc/" + std::to_string(daemon.pid()) +
+                                                    "/task");
+    threads.push_back(std::distance(begin(tasks), end(tasks)));
+    daemon.send(SIGTERM);
+    EXPECT_EQ(daemon.wait(milliseconds(10000)), 0) << daemon.output();
+  }
+  EXPECT_EQ(threads[0], threads[1]);
 }
 
 TEST_F(DaemonProcess, ConfigurationErrorsExitWith78AndNameTheKey) {

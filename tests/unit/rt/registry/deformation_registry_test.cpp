@@ -47,10 +47,9 @@ TEST(DeformationRegistry, AStepBeyondItsBudgetKeepsItsShapeAndSaysSo) {
   EXPECT_EQ(model->positions(), model->body().mesh.nodes);
 }
 
-/// End position after 200 steps of 1 ms under a load, the end in the hand, with this many threads.
-Eigen::Matrix3Xd swing(int threads) {
-  const auto model = configured_model(
-      "{component: corotational_dynamic, threads: " + std::to_string(threads) + "}");
+/// Displacements after 200 steps of 1 ms under a load, the end in the hand, with these keys.
+Eigen::Matrix3Xd swing(const std::string& keys) {
+  const auto model = configured_model("{component: corotational_dynamic, " + keys + "}");
   model->prepare();
   model->hold(0, model->body().grasps[0].X_OG_rest);
   model->loads().row(2).setConstant(-1e-3);
@@ -62,6 +61,21 @@ Eigen::Matrix3Xd swing(int threads) {
     model->install(*job);
   }
   return model->positions() - model->body().mesh.nodes;
+}
+
+Eigen::Matrix3Xd swing(int threads) { return swing("threads: " + std::to_string(threads)); }
+
+TEST(DeformationRegistry, TheShapeDoesNotDependOnWhoComputesTheFactor) {
+  const Eigen::Matrix3Xd own = swing("factor: own");
+  ASSERT_GT(own.cwiseAbs().maxCoeff(), 1e-4);
+#ifdef PALPATE_SUITESPARSE
+  const Eigen::Matrix3Xd cholmod = swing("factor: cholmod");
+  EXPECT_LT((cholmod - own).cwiseAbs().maxCoeff(), 1e-5 * own.cwiseAbs().maxCoeff());
+  EXPECT_EQ(cholmod, swing("confirm: true")) << "it is the default, and repeats to the bit";
+#else
+  EXPECT_NE(support::configuration_error("{component: corotational_dynamic, factor: cholmod}"), "");
+  EXPECT_EQ(own, swing("confirm: true")) << "it is the default, and repeats to the bit";
+#endif
 }
 
 TEST(DeformationRegistry, ThreadsChangeNothingButTheLastBitsAndThoseNotTwice) {
@@ -87,6 +101,8 @@ TEST(DeformationRegistry, KeysOfOtherModelsAndValuesOutOfRangeAreNamed) {
         std::pair("{component: mass_spring, integrator: thesis2018}", "integrator"),
         std::pair("{component: linear, confirm: false}", "confirm"),
         std::pair("{component: corotational_dynamic, budget: -1}", "budget"),
+        std::pair("{component: corotational_dynamic, factor: pardiso}", "factor"),
+        std::pair("{component: linear, factor: own}", "factor"),
         std::pair("{component: mass_spring, cg_iterations: 0}", "cg_iterations"),
         std::pair("{component: shape_matching, rings: 6}", "rings"),
         std::pair("{component: shape_matching, max_substeps: 0}", "max_substeps")}) {
