@@ -56,7 +56,7 @@ Findings check_real_time(const Machine& machine, const Needs& needs);
 /// Sockets and routes: buffer, multicast, ttl, URLs, other receivers, other daemons.
 Findings check_network(const Machine& machine, const Needs& needs);
 
-/// LCM, Java and the spy. `spy_jar`: from the machine's root.
+/// LCM, the BLAS, Java and the spy. `spy_jar`: from the machine's root.
 Findings check_programs(const Machine& machine, const std::string& spy_jar);
 
 /// Disk space for logs, by `free_space`.

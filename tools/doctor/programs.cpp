@@ -64,10 +64,38 @@ Finding check_spy(const Machine& machine, const std::string& spy_jar) {
   return ok("spy", "Java" + version + ", its jars are there");
 }
 
+/// The BLAS by which CHOLMOD factors in the background.
+Finding check_blas(const Machine& machine) {
+#ifdef PALPATE_SUITESPARSE
+  constexpr const char* kInstall = "sudo apt-get install libopenblas0-serial";
+  for (const std::string folder : {"usr/lib/x86_64-linux-gnu", "usr/lib/aarch64-linux-gnu"}) {
+    const std::optional<std::string> file = machine.resolve(folder + "/libblas.so.3");
+    if (!file) continue;
+    const std::string found = "/" + *file;
+    if (file->find("openblas-serial") != std::string::npos) return ok("blas", found);
+    const std::string select = std::string(kInstall) +
+                               "\nsudo update-alternatives --set libblas.so.3-" + folder.substr(8) +
+                               " /" + folder + "/openblas-serial/libblas.so.3";
+    for (const char* parallel : {"pthread", "openmp"}) {
+      if (file->find(parallel) != std::string::npos)
+        return fail("blas", found,
+                    "its threads take the loop's processors: palpated does not start unless "
+                    "deformation.factor is own",
+                    select);
+    }
+    return warn("blas", found, "slow: factors take twice as long or longer", select);
+  }
+  return fail("blas", "libblas.so.3 is not installed", "palpated cannot be loaded", kInstall);
+#else
+  static_cast<void>(machine);
+  return ok("blas", "not used: palpated is built without SuiteSparse");
+#endif
+}
+
 }  // namespace
 
 Findings check_programs(const Machine& machine, const std::string& spy_jar) {
-  return {check_lcm(machine), check_spy(machine, spy_jar)};
+  return {check_lcm(machine), check_blas(machine), check_spy(machine, spy_jar)};
 }
 
 Findings check_disk(const Needs& needs, const record::FreeSpace& free_space) {

@@ -22,6 +22,27 @@ TEST_F(Programs, VersionsOfLcm) {
   expect("lcm", Verdict::kOk, "/usr/local/lib/liblcm.so.1");
 }
 
+#ifdef PALPATE_SUITESPARSE
+TEST_F(Programs, BlasWithThreadsOrSlow) {
+  const std::string chosen = "etc/alternatives/libblas.so.3-x86_64-linux-gnu";
+  const auto choose = [&](const std::string& which) {
+    put(kBlas + which + "/libblas.so.3", "");
+    link(chosen, "/" + kBlas + which + "/libblas.so.3");
+  };
+  expect("blas", Verdict::kOk, "openblas-serial");
+  for (const char* parallel : {"openblas-pthread", "openblas-openmp", "blis-pthread"}) {
+    choose(parallel);
+    expect("blas", Verdict::kFail, parallel);
+  }
+  choose("blas");
+  expect("blas", Verdict::kWarn, "blas/libblas.so.3");
+  EXPECT_NE(finding("blas").remedy.find("--set libblas.so.3-x86_64-linux-gnu /usr/lib/"),
+            std::string::npos);
+  remove(kBlas + "libblas.so.3");
+  expect("blas", Verdict::kFail, "not installed");
+}
+#endif
+
 TEST_F(Programs, EachThingThatTheSpyNeeds) {
   expect("spy", Verdict::kOk, "Java 17.0.15");
   remove("opt/palpate-spy.jar");

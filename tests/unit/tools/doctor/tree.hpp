@@ -33,6 +33,10 @@ class Tree : public testing::Test {
     put("proc/net/unix", "Num RefCount Protocol Flags Type St Inode Path\n");
     put("var/lib/dpkg/status",
         "Package: liblcm1\nStatus: install ok installed\nVersion: 1.3.1+repack1-3\n\n");
+    put(kBlas + "openblas-serial/libblas.so.3", "");
+    link(kBlas + "libblas.so.3", "/etc/alternatives/libblas.so.3-x86_64-linux-gnu");
+    link("etc/alternatives/libblas.so.3-x86_64-linux-gnu",
+         "/" + kBlas + "openblas-serial/libblas.so.3");
     put("usr/lib/jvm/java-17/bin/java", "");
     put("usr/lib/jvm/java-17/lib/libawt_xawt.so", "");
     put("usr/lib/jvm/java-17/release", "JAVA_VERSION=\"17.0.15\"\n");
@@ -48,6 +52,8 @@ class Tree : public testing::Test {
   static constexpr char kUdpHeader[] =
       "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout "
       "inode ref pointer drops\n";
+
+  inline static const std::string kBlas = "usr/lib/x86_64-linux-gnu/";
 
   static std::string cpu(const std::string& path) { return "sys/devices/system/cpu/" + path; }
   void put(const std::string& path, const std::string& text) const {
