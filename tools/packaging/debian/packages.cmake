@@ -45,7 +45,14 @@ function(palpate_package component package section summary depends)
   install(SCRIPT debian/install_documents.cmake COMPONENT ${component})
 endfunction()
 
-palpate_package(daemon palpate misc "daemon that feels and steers the shape of soft objects" ""
+# CHOLMOD needs a BLAS of one thread.
+set(blas "")
+set(cholmod "")
+if(PALPATE_SUITESPARSE)
+  set(blas "libopenblas0-serial")
+  set(cholmod ", libsuitesparse-dev")
+endif()
+palpate_package(daemon palpate misc "daemon that feels and steers the shape of soft objects" "${blas}"
   "palpated reads force-torque, joint and tactile sensors from LCM channels,"
   "estimates the shape of a soft object that a robot holds, and commands the"
   "arm until the shape is as wanted. palpate-command talks to it. Comes with"
@@ -59,7 +66,7 @@ palpate_package(tools palpate-tools misc "tools around palpated: fitting, traini
   "Material parameters from recordings, sensor models, scores on the"
   "simulator's truth, replay and import of logs, injection of faults.")
 palpate_package(dev palpate-dev libdevel "headers and libraries of palpate for drivers and components"
-  "libeigen3-dev, liblcm-dev, libyaml-cpp-dev, libsodium-dev, liburdfdom-dev, libmetis-dev, libcli11-dev"
+  "libeigen3-dev, liblcm-dev, libyaml-cpp-dev, libsodium-dev, liburdfdom-dev, libmetis-dev, libcli11-dev${cholmod}"
   "For find_package(palpate) of CMake: message types, the LCM bus with its"
   "codes of authentication, the mathematics, and a driver to start one's own"
   "from.")
