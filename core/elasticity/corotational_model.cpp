@@ -22,7 +22,7 @@ constexpr int kMeasurePeriod = 10;  // steps between measurements of the contrac
 CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Mechanics mechanics)
     : options_(options),
       dynamic_(mechanics == Mechanics::kDynamic),
-      body_(std::move(body)),
+      body_(std::move(body), options_.orders),
       boundary_(body_),
       samples_(ObstacleContacts::numbered_samples(body_, options_.contact)),
       motion_(body_, dynamic_),

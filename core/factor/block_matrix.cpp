@@ -36,7 +36,7 @@ Graph mesh_graph(const Eigen::MatrixXi& elements, const std::vector<int>& unknow
 
 BlockPattern::BlockPattern(const Eigen::MatrixXi& elements, int node_count,
                            const std::vector<int>& fixed,
-                           const std::vector<std::vector<int>>& border)
+                           const std::vector<std::vector<int>>& border, Orders more)
     : nodes_per_element_(static_cast<int>(elements.rows())), unknown_(node_count, 0) {
   if (border.size() > 2) throw std::invalid_argument("at most two grasp patches");
   for (int node : fixed) unknown_.at(node) = -1;
@@ -64,7 +64,7 @@ BlockPattern::BlockPattern(const Eigen::MatrixXi& elements, int node_count,
   for (int i = 0; i < n; ++i) unknown_[natural[i]] = i;
 
   const Graph graph = mesh_graph(elements, unknown_, n);
-  const std::vector<int> order = elimination_order(graph, n - interior_size());
+  const std::vector<int> order = elimination_order(graph, n - interior_size(), more);
   node_.resize(n);
   for (int k = 0; k < n; ++k) node_[k] = natural[order[k]];
   for (int k = 0; k < n; ++k) unknown_[node_[k]] = k;

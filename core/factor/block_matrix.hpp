@@ -15,11 +15,14 @@ struct Graph {
   int size() const { return static_cast<int>(start.size()) - 1; }
 };
 
+/// Elimination orders of a graph that another library proposes, each as below.
+using Orders = std::vector<std::vector<int>> (*)(const Graph& graph);
+
 /// Fill-reducing elimination order of the nodes of a graph: entry k is the node eliminated k-th.
-/// The best of several nested dissections (METIS) and of approximate minimum degree, by the size of
-/// the factor, in postorder of its elimination tree. The final `last` nodes of the graph keep their
-/// positions at the end. Deterministic.
-std::vector<int> elimination_order(const Graph& graph, int last = 0);
+/// The best of several nested dissections (METIS), of approximate minimum degree and of `more`,
+/// unless null, by the size of the factor, in postorder of its elimination tree. The final `last`
+/// nodes of the graph keep their positions at the end. Deterministic.
+std::vector<int> elimination_order(const Graph& graph, int last = 0, Orders more = nullptr);
 
 /// Grasp patches whose nodes are held at zero in a solution.
 using Held = std::array<bool, 2>;
@@ -34,11 +37,11 @@ using NodalColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen
 /// interior is the same whether they are held or not.
 class BlockPattern {
  public:
-  /// elements: nodes x count. Nodes in `fixed` are removed permanently. Throws
-  /// std::invalid_argument for more than two border groups, a border node that is fixed or in both
-  /// groups, or a node out of range.
+  /// elements: nodes x count. Nodes in `fixed` are removed permanently. `more`: of
+  /// elimination_order(). Throws std::invalid_argument for more than two border groups, a border
+  /// node that is fixed or in both groups, or a node out of range.
   BlockPattern(const Eigen::MatrixXi& elements, int node_count, const std::vector<int>& fixed,
-               const std::vector<std::vector<int>>& border = {});
+               const std::vector<std::vector<int>>& border = {}, Orders more = nullptr);
 
   int size() const { return static_cast<int>(node_.size()); }
   int interior_size() const { return border_begin_[0]; }  // number of unknowns in no border group

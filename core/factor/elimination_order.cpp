@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
+#include <utility>
 
 namespace palpate::factor {
 namespace {
@@ -124,7 +125,7 @@ std::vector<int> nested_dissection(const Graph& graph, int seed) {
 
 }  // namespace
 
-std::vector<int> elimination_order(const Graph& graph, int last) {
+std::vector<int> elimination_order(const Graph& graph, int last, Orders more) {
   const int n = graph.size(), interior = n - last;
   const Graph inner = without_last(graph, last);
   std::vector<int> best(n);
@@ -141,6 +142,10 @@ std::vector<int> elimination_order(const Graph& graph, int last) {
   if (!inner.neighbours.empty()) {
     consider(minimum_degree(inner));
     for (int seed = 0; seed < kDissections; ++seed) consider(nested_dissection(inner, seed));
+    if (more != nullptr) {
+      const OwnRandomState own_random_state;
+      for (std::vector<int>& order : more(inner)) consider(std::move(order));
+    }
   }
   return postorder(best, tree, last);
 }

@@ -11,6 +11,7 @@
 
 #ifdef PALPATE_SUITESPARSE
 #include "core/factor/cholmod/cholmod_factor.hpp"
+#include "core/factor/cholmod/cholmod_orders.hpp"
 #include "core/factor/cholmod/one_thread.hpp"
 #endif
 
@@ -34,9 +35,10 @@ constexpr factor::FactorMaker kDefaultFactor = factor::make_cholmod_factor;
 const std::vector<std::pair<std::string, factor::FactorMaker>> kFactors{
     {"cholmod", factor::make_cholmod_factor}, {"own", factor::make_own_factor}};
 
-/// The threads of a parallel BLAS would take the processors of the loop.
-void check_factor(const config::Node& node, factor::FactorMaker maker) {
-  if (maker != factor::make_cholmod_factor) return;
+/// Adds what else CHOLMOD contributes. The threads of a parallel BLAS would take the processors of
+/// the loop.
+void complete_factor(const config::Node& node, elasticity::SolverOptions& options) {
+  if (options.make_factor != factor::make_cholmod_factor) return;
   const factor::Blas blas = factor::loaded_blas();
   if (blas.threads > 1)
     node.fail("factor",
@@ -44,13 +46,14 @@ void check_factor(const config::Node& node, factor::FactorMaker maker) {
                   std::to_string(blas.threads) +
                   ". Select that of the package libopenblas0-serial by update-alternatives, or "
                   "allowed: own");
+  options.orders = factor::cholmod_orders;
 }
 #else
 constexpr factor::FactorMaker kDefaultFactor = factor::make_own_factor;
 const std::vector<std::pair<std::string, factor::FactorMaker>> kFactors{
     {"own", factor::make_own_factor}};
 
-void check_factor(const config::Node&, factor::FactorMaker) {}
+void complete_factor(const config::Node&, elasticity::SolverOptions&) {}
 #endif
 
 OptionTable<elasticity::SolverOptions> solver_options() {
@@ -130,7 +133,7 @@ Model make_corotational(const config::Node& node, const Context& context) {
     return std::make_unique<elasticity::Thesis2018>(body);
   }
   elasticity::SolverOptions options = node.read(solver_options());
-  check_factor(node, options.make_factor);
+  complete_factor(node, options);
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;

@@ -21,10 +21,10 @@ std::vector<int> elimination_numbering(const factor::BlockPattern& pattern) {
 
 }  // namespace
 
-NumberedBody::NumberedBody(Body whole)
+NumberedBody::NumberedBody(Body whole, factor::Orders more)
     : body(validated(std::move(whole))),
       elements(body),
-      pattern(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes, patches(body)),
+      pattern(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes, patches(body), more),
       supernodes(pattern),
       numbering(elimination_numbering(pattern)),
       rest(NodalField::Zero(4, body.mesh.node_count())) {

@@ -12,8 +12,9 @@ namespace palpate::elasticity {
 /// order of its unknown nodes, and the solver's numbering, which is that order with fixed nodes
 /// last. Constant after construction; members refer to each other.
 struct NumberedBody {
-  /// Throws std::invalid_argument as Body::check() and ElementSet do.
-  explicit NumberedBody(Body whole);
+  /// `more`: of factor::elimination_order(). Throws std::invalid_argument as Body::check() and
+  /// ElementSet do.
+  explicit NumberedBody(Body whole, factor::Orders more = nullptr);
   NumberedBody(const NumberedBody&) = delete;
   NumberedBody& operator=(const NumberedBody&) = delete;
 

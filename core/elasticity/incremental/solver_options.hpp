@@ -28,6 +28,7 @@ struct SolverOptions {
   Precision precision = Precision::kDouble;  // arithmetic inside elements
   factor::PanelPrecision panels = factor::PanelPrecision::kSingle;  // storage of the factor
   factor::FactorMaker make_factor = factor::make_own_factor;        // of the background job
+  factor::Orders orders = nullptr;  // more candidates for the elimination order
   // Conditions for requesting a new factor:
   double turned = 0.02;      // rad, largest rotation of a node since the snapshot
   double contraction = 0.3;  // fraction of the residual that remains after a correction

@@ -30,8 +30,8 @@ TEST_F(DaemonProcess, StartsInactiveWithZeroCommandAndEndsOnSigterm) {
   EXPECT_EQ(daemon.wait(milliseconds(10000)), 0) << daemon.output();
 }
 
-// Neither CHOLMOD nor its BLAS has threads of its own, after the first factor at the latest.
-TEST_F(DaemonProcess, HasTheSameThreadsWhoeverComputesItsFactors) {
+// CHOLMOD and its BLAS have no threads, which would exist after the first factor at the latest.
+TEST_F(DaemonProcess, HasTheSameThreadsWithEitherFactor) {
   std::int64_t session = 0;
   std::vector<std::ptrdiff_t> threads;
   for (const std::vector<std::string>& more :

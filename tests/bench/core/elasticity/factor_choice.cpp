@@ -4,14 +4,19 @@
 
 #ifdef PALPATE_SUITESPARSE
 #include "core/factor/cholmod/cholmod_factor.hpp"
+#include "core/factor/cholmod/cholmod_orders.hpp"
 #endif
 
 namespace palpate::bench {
 
-factor::FactorMaker factor_maker(const std::string& name) {
-  if (name == "own") return factor::make_own_factor;
+void choose_factor(const std::string& name, elasticity::SolverOptions& solver) {
+  if (name == "own") return;
 #ifdef PALPATE_SUITESPARSE
-  if (name == "cholmod") return factor::make_cholmod_factor;
+  if (name == "cholmod") {
+    solver.make_factor = factor::make_cholmod_factor;
+    solver.orders = factor::cholmod_orders;
+    return;
+  }
 #endif
   throw std::invalid_argument("factor \"" + name +
                               "\": allowed: own, and cholmod in a build with SuiteSparse");

@@ -2,11 +2,12 @@
 
 #include <string>
 
-#include "core/factor/factor_maker.hpp"
+#include "core/elasticity/incremental/solver_options.hpp"
 
 namespace palpate::bench {
 
-/// "own", or "cholmod" in a build with SuiteSparse; throws std::invalid_argument otherwise.
-factor::FactorMaker factor_maker(const std::string& name);
+/// Who computes the factors, as palpated reads deformation.factor: "own", or "cholmod" in a build
+/// with SuiteSparse; throws std::invalid_argument otherwise.
+void choose_factor(const std::string& name, elasticity::SolverOptions& solver);
 
 }  // namespace palpate::bench

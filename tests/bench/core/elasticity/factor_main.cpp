@@ -6,6 +6,7 @@
 #include "core/factor/cholmod/cholmod_factor.hpp"
 #include "core/factor/cholmod/one_thread.hpp"
 #include "rt/config/command_line.hpp"
+#include "tests/bench/core/elasticity/factor_choice.hpp"
 #include "tests/bench/core/elasticity/samples.hpp"
 #include "tests/bench/core/elasticity/scenario.hpp"
 
@@ -119,13 +120,14 @@ int run(int repetitions, factor::PanelPrecision panels) {
   for (const BarMesh& mesh :
        {bar_of(mesh::ElementOrder::kQuadratic, 475), bar_of(mesh::ElementOrder::kLinear, 2997)}) {
     const Scenario scenario(mesh, Motion::kLarge);
-    const elasticity::NumberedBody body(scenario.body());
     elasticity::SolverOptions own, cholmod;
     own.panels = cholmod.panels = panels;
-    cholmod.make_factor = factor::make_cholmod_factor;
+    choose_factor("cholmod", cholmod);
+    const elasticity::NumberedBody body(scenario.body());
+    const elasticity::NumberedBody reordered(scenario.body(), cholmod.orders);
     const Eigen::Matrix3Xd shape = moved_bar(scenario, own);
     for (const Mechanics mechanics : {Mechanics::kQuasistatic, Mechanics::kDynamic}) {
-      Subject of_own(body, own, mechanics, shape), of_cholmod(body, cholmod, mechanics, shape);
+      Subject of_own(body, own, mechanics, shape), of_cholmod(reordered, cholmod, mechanics, shape);
       for (int k = 0; k < repetitions; ++k) {  // in turn, so that both find the same load
         of_own.measure();
         of_cholmod.measure();

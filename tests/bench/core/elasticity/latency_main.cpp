@@ -126,7 +126,7 @@ int run(Arguments& a) {
   o.mechanics = a.mechanics == "dynamic" ? Mechanics::kDynamic : Mechanics::kQuasistatic;
   o.refactor = RefactorPolicy::parse(a.refactor);
   o.solver.time_step = o.dt;
-  o.solver.make_factor = factor_maker(a.factor);
+  choose_factor(a.factor, o.solver);
   if (a.threads > 1) {
     loop::SpinTeamOptions team;
     team.size = a.threads;

@@ -9,6 +9,10 @@
 #include "core/factor/supernodes.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 
+#ifdef PALPATE_SUITESPARSE
+#include "core/factor/cholmod/cholmod_orders.hpp"
+#endif
+
 namespace palpate::factor {
 namespace {
 
@@ -141,6 +145,23 @@ TEST(Supernodes, HoldEveryColumnAndItsRowsOnce) {
   }
   EXPECT_EQ(column, pattern.interior_size());
 }
+
+#ifdef PALPATE_SUITESPARSE
+TEST(EliminationOrder, OrdersOfCholmodAreCandidates) {
+  const Graph graph = grid(30, 30);
+  const std::vector<std::vector<int>> orders = cholmod_orders(graph);
+  ASSERT_EQ(orders.size(), 3U);
+  const std::vector<int> own = elimination_order(graph);
+  const std::vector<int> best = elimination_order(graph, 0, cholmod_orders);
+  expect_permutation(best, graph.size());
+  EXPECT_LE(fill(graph, best), fill(graph, own));
+  for (const std::vector<int>& order : orders) {
+    expect_permutation(order, graph.size());
+    EXPECT_LE(fill(graph, best), fill(graph, order));
+  }
+  EXPECT_EQ(elimination_order(graph, 0, cholmod_orders), best) << "repeats";
+}
+#endif
 
 }  // namespace
 }  // namespace palpate::factor
