@@ -1,7 +1,10 @@
 #include "tools/view/obstacles.hpp"
 
 #include <algorithm>
+#include <array>
 
+#include "core/math/constants.hpp"
+#include "rt/bus/text.hpp"
 #include "tools/view/encode.hpp"
 
 namespace palpate::view {
@@ -22,6 +25,35 @@ const char* name_of(CarrierKind kind) {
   return "fixed";
 }
 
+std::vector<ObstacleCorrection> corrections_in(const obstacles_t& published,
+                                               const std::string& name) {
+  std::vector<ObstacleCorrection> corrections;
+  for (int i = 0; i < std::min(published.count, static_cast<int>(obstacles_t::MOST)); ++i) {
+    if (name != bus::get_text(published.name[i])) continue;
+    for (int axis = 0; axis < 6; ++axis) {
+      if (published.deviation[i][axis] > 0)
+        corrections.push_back(
+            {axis, published.displacement[i][axis], published.deviation[i][axis]});
+    }
+  }
+  return corrections;
+}
+
+json describe(const std::vector<ObstacleCorrection>& corrections) {
+  constexpr double kMillimetres = 1e3;
+  constexpr std::array<const char*, 6> kAxes{"along x", "along y", "along z",
+                                             "about x", "about y", "about z"};
+  json list = json::array();
+  for (const ObstacleCorrection& correction : corrections) {
+    const double scale = correction.axis < 3 ? kMillimetres : 1 / math::kDegree;
+    list.push_back({{"axis", kAxes.at(static_cast<std::size_t>(correction.axis))},
+                    {"unit", correction.axis < 3 ? "mm" : "°"},
+                    {"displacement", scale * correction.displacement},
+                    {"deviation", scale * correction.deviation}});
+  }
+  return list;
+}
+
 }  // namespace
 
 ObstaclePlace place_of(const drawing::ObstacleDrawing& obstacle, const Scene& scene) {
@@ -38,6 +70,7 @@ ObstaclePlace place_of(const drawing::ObstacleDrawing& obstacle, const Scene& sc
   if (place.time_us && *place.time_us - scene.obstacles.time_us > kLate)
     messages.published = nullptr;
   place.X_WB = drawing::pose_in_world(obstacle, messages);
+  if (messages.published) place.corrections = corrections_in(*messages.published, obstacle.name);
   return place;
 }
 
@@ -75,7 +108,9 @@ json describe_places(const std::vector<drawing::ObstacleDrawing>& obstacles, con
     poses.insert(poses.end(), pose.begin(), pose.end());
     json age;  // null
     if (place.time_us) age = std::max<std::int64_t>(shown_us - *place.time_us, 0) / 1000;
-    list.push_back({{"placed", place.X_WB.has_value()}, {"age_ms", age}});
+    list.push_back({{"placed", place.X_WB.has_value()},
+                    {"age_ms", age},
+                    {"corrections", describe(place.corrections)}});
   }
   return list;
 }

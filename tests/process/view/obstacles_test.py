@@ -65,6 +65,11 @@ class ObstaclesTest(unittest.TestCase):
         cell.next_frames()
         wait_for(lambda: "as configured: no message yet" in cell.text("#key"), "the plate's note")
 
+        correction = "{axis: 'along z', unit: 'mm', displacement: -4.9, deviation: 0.5}"
+        texts = cell.js("(() => { const o = palpate.obstacles, f = palpate.frame; o.show({...f, obstacles: f.obstacles.map("
+                        f"(p, i) => i ? p : {{...p, corrections: [{correction}]}})}}, palpate.estimate, true); return o.texts(); }})()")
+        self.assertEqual(texts[0], "table (estimated at −4.9 ± 1.0 mm along z)")
+
         for name, place in PLACES.items():
             if name != "table":
                 self.assertLess(np.abs(self.place(cell, name) - place).max(), 1e-5, name)

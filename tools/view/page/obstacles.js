@@ -42,12 +42,24 @@ function geometryOf(obstacle) {
   }
 }
 
-/** What the viewer knows about the place of an obstacle, where that is not self-evident; '' otherwise. */
-function noteOn({carrier, timeout_ms}, {placed, age_ms}) {
+/** Estimated displacement from the configured pose with its 95 % interval, in each free direction. */
+function displacementOf({corrections}) {
+  return corrections.map(({axis, unit, displacement, deviation}) =>
+    `${displacement < 0 ? '−' : '+'}${Math.abs(displacement).toFixed(1)} ± ${(1.96 * deviation).toFixed(1)} ${unit} ${axis}`).join(', ');
+}
+
+/** What is known about the arrival of an obstacle's pose, where that is not self-evident; '' otherwise. */
+function arrivalOf({carrier, timeout_ms}, {placed, age_ms}) {
   if (carrier === 'link') return placed ? '' : 'not shown: the joints of the arm are not reported';
   if (carrier !== 'messages') return '';
   if (age_ms === null) return placed ? 'as configured: no message yet' : 'not shown: no message yet';
   return age_ms > timeout_ms ? `no message for ${age_ms < 1e4 ? (age_ms / 1e3).toFixed(1) : Math.round(age_ms / 1e3)} s` : '';
+}
+
+/** What the viewer knows about the place of an obstacle, where that is not self-evident; '' otherwise. */
+function noteOn(obstacle, place) {
+  const arrival = arrivalOf(obstacle, place), displacement = displacementOf(place);
+  return [arrival, displacement && `estimated at ${displacement}`].filter(Boolean).join('; ');
 }
 
 export class Obstacles {

@@ -28,7 +28,8 @@ std::vector<drawing::ObstacleDrawing> read(const std::string& list) {
 }
 
 template <class Message>
-void give(Scene& scene, const char* channel, const Message& message, std::int64_t time_us) {
+void give_obstacles(Scene& scene, const char* channel, const Message& message,
+                    std::int64_t time_us) {
   const auto data = encoded(message);
   scene.accept(channel, data.data(), static_cast<int>(data.size()), time_us);
   scene.refresh();
@@ -79,12 +80,12 @@ TEST(Obstacles, AreWhereTheLastMessageOfEachPutsThem) {
   message.twist[0] = 9;
   for (const char* name : {"table", "plate", "lid", "palm"}) {
     bus::put_text(message.name, name);
-    give(scene, "WORLD_STATE", message, 5'000'000);
+    give_obstacles(scene, "WORLD_STATE", message, 5'000'000);
   }
   robot_state_t robot{};
   robot.joint_count = 7;
   robot.quaternion[0] = 1;
-  give(scene, "ROBOT_STATE", robot, 6'000'000);
+  give_obstacles(scene, "ROBOT_STATE", robot, 6'000'000);
   const ObstaclePlace table = place_of(obstacles[0], scene), palm = place_of(obstacles[3], scene);
   EXPECT_TRUE(table.X_WB->translation().isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
   EXPECT_FALSE(table.time_us) << "is fixed";
@@ -112,23 +113,48 @@ TEST(Obstacles, AreWhereTheDaemonHasThemWhileItPublishes) {
     published.position[i][2] = 0.01;
     published.quaternion[i][0] = 1;
   }
-  give(scene, "OBSTACLES", published, 1'000'000);
+  give_obstacles(scene, "OBSTACLES", published, 1'000'000);
   world_state_t message{};
   message.quaternion[0] = 1;
   bus::put_text(message.name, "plate");
   const auto height = [&](std::size_t which) {
     return place_of(obstacles[which], scene).X_WB->translation().z();
   };
-  give(scene, "WORLD_STATE", message, 1'100'000);
+  give_obstacles(scene, "WORLD_STATE", message, 1'100'000);
   EXPECT_EQ(height(0), 0.01);
   EXPECT_EQ(height(1), 0.01);
   EXPECT_EQ(place_of(obstacles[1], scene).time_us, 1'100'000);
-  give(scene, "WORLD_STATE", message, 2'000'000);
+  give_obstacles(scene, "WORLD_STATE", message, 2'000'000);
   EXPECT_EQ(height(1), 0) << "a daemon that has ended moves it no more";
   EXPECT_EQ(height(0), 0.01);
   published.count = 9;
-  give(scene, "OBSTACLES", published, 2'000'000);
+  give_obstacles(scene, "OBSTACLES", published, 2'000'000);
   EXPECT_EQ(scene.rejected(), 1);
+}
+
+TEST(Obstacles, AreDescribedWithTheirEstimatedDisplacement) {
+  const auto obstacles = read("  - {name: table, shape: half_space}\n");
+  Scene scene;
+  obstacles_t published{};
+  published.count = 1;
+  bus::put_text(published.name[0], "table");
+  published.is_placed[0] = 1;
+  published.quaternion[0][0] = 1;
+  published.displacement[0][2] = -0.004;
+  published.deviation[0][2] = 0.0005;
+  published.displacement[0][3] = 0.01;
+  published.deviation[0][3] = 0.002;
+  give_obstacles(scene, "OBSTACLES", published, 1'000'000);
+  std::vector<float> poses;
+  const json corrections =
+      describe_places(obstacles, math::Pose::Identity(), scene, 1'000'000, poses)[0]["corrections"];
+  ASSERT_EQ(corrections.size(), 2U) << "directions that are not free are left out";
+  EXPECT_EQ(corrections[0]["axis"], "along z");
+  EXPECT_NEAR(corrections[0]["displacement"], -4, 1e-9);
+  EXPECT_NEAR(corrections[0]["deviation"], 0.5, 1e-9);
+  EXPECT_EQ(corrections[1]["axis"], "about x");
+  EXPECT_NEAR(corrections[1]["displacement"], 0.573, 1e-3);
+  EXPECT_EQ(corrections[1]["unit"], "°");
 }
 
 TEST(Obstacles, AreSentToAPageOnceAndTheirPlacesInEachFrame) {
@@ -149,8 +175,9 @@ TEST(Obstacles, AreSentToAPageOnceAndTheirPlacesInEachFrame) {
   ASSERT_EQ(second.parcels.size(), 1U);
   const std::string& frame = *second.parcels[0];
   const json head = head_of(frame);
-  EXPECT_EQ(head["obstacles"], json::parse("[{\"placed\": true, \"age_ms\": null}, "
-                                           "{\"placed\": false, \"age_ms\": null}]"));
+  EXPECT_EQ(head["obstacles"],
+            json::parse("[{\"placed\": true, \"age_ms\": null, \"corrections\": []}, "
+                        "{\"placed\": false, \"age_ms\": null, \"corrections\": []}]"));
   ASSERT_EQ(head["arrays"].size(), 1U);
   EXPECT_EQ(head["arrays"][0]["name"], "obstacle_poses");
   std::array<float, 14> poses{};
