@@ -24,11 +24,11 @@ int index_of(const Channels& channels, const std::string& name) {
 }
 
 /// Validated model named by a key, with everything required to run it.
-class Model {
+class LearnedModel {
  public:
   using Options = inference::TorchExecutorOptions;
 
-  Model(const config::Node& node, const std::string& key, const Context& context)
+  LearnedModel(const config::Node& node, const std::string& key, const Context& context)
       : node_(node), key_(key) {
     kind_ = node.choice({"executor", "",
                          "Runtime of the network: libtorch in a thread of its own, or compiled "
@@ -100,7 +100,7 @@ class Model {
   inference::ModelFile file_;
 };
 
-std::vector<int> tactile_inputs_of(const Model& model) {
+std::vector<int> tactile_inputs_of(const LearnedModel& model) {
   if (model.card().average > 0)
     model.fail("needs averaged counts, which this component does not provide");
   Channels known;
@@ -110,7 +110,7 @@ std::vector<int> tactile_inputs_of(const Model& model) {
   return model.inputs(known, "e1 to e19, pac0, pdc");
 }
 
-std::vector<int> observer_inputs_of(const Model& model) {
+std::vector<int> observer_inputs_of(const LearnedModel& model) {
   Channels known;
   std::string names;
   for (int i = 0; i < sensing::kObserverInputCount; ++i) {
@@ -131,7 +131,7 @@ bool has_built_in_fallback(const config::Node& node, const char* built_in) {
 std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node& node,
                                                              const Context& context, double rate) {
   if (!node.has("direction_file")) return {};
-  const Model model(node, "direction_file", context);
+  const LearnedModel model(node, "direction_file", context);
   if (model.card().rate != rate) model.fail("has another rate than that of model_file");
   sensing::BiotacLstm::Direction direction;
   direction.inputs = tactile_inputs_of(model);
@@ -191,7 +191,7 @@ inference::TorchExecutorOptions read_inference(const config::Node& root, bool de
 
 std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context) {
-  const Model model(node, "model_file", context);
+  const LearnedModel model(node, "model_file", context);
   sensing::BiotacLstm::Options options = node.read(biotac_lstm_options());
   options.inputs = tactile_inputs_of(model);
   options.outputs = model.outputs({{"fx", "N"}, {"fy", "N"}, {"fz", "N"}});
@@ -209,7 +209,7 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
 std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node,
                                                     const Context& context) {
   const Frames& frames = frames_of(node, context);
-  const Model model(node, "model_file", context);
+  const LearnedModel model(node, "model_file", context);
   const inference::ModelCard& card = model.card();
   auto options = node.read(wrist_options<sensing::FtRnnob::Options>());
   options.inputs = observer_inputs_of(model);

@@ -8,10 +8,10 @@
 namespace palpate::object {
 namespace {
 
-constexpr double kLookAhead = 5e-4;      // m, above the surface: may touch within a step
-constexpr double kShearStiffness = 0.5;  // relative to the normal stiffness
-constexpr double kSamplesPerRadius = 6;  // of a cylinder, along a line
-constexpr double kShortest = 1e-9;       // of a direction
+constexpr double kReachAbove = 5e-4;             // m, above the surface: may touch within a step
+constexpr double kObstacleShearStiffness = 0.5;  // relative to the normal stiffness
+constexpr double kSamplesPerCylinderRadius = 6;  // of a cylinder, along a line
+constexpr double kShortest = 1e-9;               // of a direction
 
 Eigen::Vector3d unit(const Eigen::Vector3d& direction, const char* name) {
   if (!direction.allFinite() || !(direction.norm() > kShortest))
@@ -22,7 +22,7 @@ Eigen::Vector3d unit(const Eigen::Vector3d& direction, const char* name) {
 
 /// Greatest distance of the surface samples, m.
 double spacing(const HalfSpace& /*plane*/) { return std::numeric_limits<double>::infinity(); }
-double spacing(const Cylinder& cylinder) { return cylinder.radius / kSamplesPerRadius; }
+double spacing(const Cylinder& cylinder) { return cylinder.radius / kSamplesPerCylinderRadius; }
 
 ObstacleOptions checked(ObstacleOptions options) {
   if (!(options.stiffness > 0) || !(options.friction >= 0) || !(options.damping >= 0))
@@ -87,7 +87,7 @@ ObstacleContact::ObstacleContact(const ObstacleOptions& options, const Hexahedra
     : options_(checked(options)),
       surface_(grid, std::visit([](const auto& shape) { return spacing(shape); }, options_.shape),
                ContactSurface::Rule::kGauss),
-      shear_stiffness_(kShearStiffness * options.stiffness),
+      shear_stiffness_(kObstacleShearStiffness * options.stiffness),
       tractions_(Eigen::Matrix3Xd::Zero(3, surface_.sample_count())),
       pressed_(surface_.sample_count(), -1) {}
 
@@ -122,7 +122,7 @@ void ObstacleContact::press(const Shape& shape, const Eigen::Matrix3Xd& position
                             const Eigen::Matrix3Xd& velocities, double h, Eigen::Matrix3Xd& forces,
                             Eigen::VectorXd& stiffness) noexcept {
   surface_.for_each_in(
-      Vicinity<Shape>{shape, kLookAhead}, positions, [&](const SurfaceSample& sample) {
+      Vicinity<Shape>{shape, kReachAbove}, positions, [&](const SurfaceSample& sample) {
         const double rate = options_.stiffness * sample.area;
         const double depth = -shape.distance(sample.position);
         if (!(depth > 0)) {

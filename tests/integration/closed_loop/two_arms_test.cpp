@@ -9,13 +9,13 @@
 namespace palpate {
 namespace {
 
-constexpr double kLength = 0.5;  // m, of the bar
-const char* const kPoseScene = "sim/scenes/bar_two_hands.yaml";
-const char* const kControlScene = "sim/scenes/bar_two_hands_control.yaml";
+constexpr double kTwoHandBarLength = 0.5;  // m, of the bar
+const char* const kTwoHandScene = "sim/scenes/bar_two_hands.yaml";
+const char* const kTwoHandControlScene = "sim/scenes/bar_two_hands_control.yaml";
 const char* const kTwoArmsConfiguration = "rt/config/examples/bar_two_hands.yaml";
 
 TEST(TwoArmsLoop, ConfigurationRepeatsTheScenesFrames) {
-  ClosedLoop loop(kPoseScene, kTwoArmsConfiguration);
+  ClosedLoop loop(kTwoHandScene, kTwoArmsConfiguration);
   loop.run(0.1);
   const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   ASSERT_EQ(pipeline.arm_count(), 2);
@@ -31,7 +31,7 @@ TEST(TwoArmsLoop, ConfigurationRepeatsTheScenesFrames) {
 }
 
 TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
-  ClosedLoop loop(kPoseScene, kTwoArmsConfiguration);
+  ClosedLoop loop(kTwoHandScene, kTwoArmsConfiguration);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(8.0);  // into the S-bend
@@ -40,8 +40,8 @@ TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
       << pipeline.condition().reason;
   const Eigen::VectorXd error = loop.shape_error();
   std::printf("mean %.2f mm, max %.2f mm\n", 1e3 * error.mean(), 1e3 * error.maxCoeff());
-  EXPECT_LT(error.mean(), 0.01 * kLength);
-  EXPECT_LT(error.maxCoeff(), 0.02 * kLength);
+  EXPECT_LT(error.mean(), 0.01 * kTwoHandBarLength);
+  EXPECT_LT(error.maxCoeff(), 0.02 * kTwoHandBarLength);
 
   // Readings of the wrist sensors without their noise.
   Eigen::Vector3d felt[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -67,7 +67,7 @@ TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
 }
 
 TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
-  ClosedLoop loop(kControlScene, kTwoArmsConfiguration);
+  ClosedLoop loop(kTwoHandControlScene, kTwoArmsConfiguration);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);
@@ -97,7 +97,7 @@ TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
 TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
   constexpr double kForce = 1.2, kStretch = 1.03, kSpeed = 0.05;
   ClosedLoop loop(
-      kControlScene, kTwoArmsConfiguration, {},
+      kTwoHandControlScene, kTwoArmsConfiguration, {},
       {"feature={component: points, rest_points: [[0.15, 0.03, 0.06], [0.25, 0.03, 0.06], [0.35, "
        "0.03, 0.06]]}",
        "control={provider: fem, law: quadratic_program, gain: 2, moves: both, linear_speed: 0.05, "
@@ -154,7 +154,7 @@ TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
 TEST(TwoArmsLoop, JointsOfTheSecondArmAreRefused) {
   const auto error_of = [](const std::vector<std::string>& overrides) -> std::string {
     try {
-      ClosedLoop loop(kControlScene, kTwoArmsConfiguration, {}, overrides);
+      ClosedLoop loop(kTwoHandControlScene, kTwoArmsConfiguration, {}, overrides);
     } catch (const config::Error& error) {
       return error.what();
     }
@@ -169,7 +169,7 @@ TEST(TwoArmsLoop, JointsOfTheSecondArmAreRefused) {
 }
 
 TEST(TwoArmsLoop, SecondArmFallingSilentStopsBoth) {
-  ClosedLoop loop(kControlScene, kTwoArmsConfiguration);
+  ClosedLoop loop(kTwoHandControlScene, kTwoArmsConfiguration);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);
@@ -199,7 +199,7 @@ TEST(TwoArmsLoop, SecondArmFallingSilentStopsBoth) {
 TEST(TwoArmsLoop, TwoRunsAreBitIdentical) {
   Eigen::Matrix3Xd positions[2];
   for (Eigen::Matrix3Xd& x : positions) {
-    ClosedLoop loop(kPoseScene, kTwoArmsConfiguration);
+    ClosedLoop loop(kTwoHandScene, kTwoArmsConfiguration);
     loop.send_event("start");
     loop.run(1.5);
     x = loop.daemon().pipeline().model().positions();

@@ -6,9 +6,9 @@
 namespace palpate {
 namespace {
 
-constexpr const char* kScene = "sim/scenes/bar_long_soft_control_camera.yaml";
+constexpr const char* kVisionScene = "sim/scenes/bar_long_soft_control_camera.yaml";
 constexpr const char* kBlindScene = "sim/scenes/bar_long_soft_control.yaml";
-constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr const char* kVisionConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
 const std::vector<std::string> kDaemonErrors = {
     "estimation.component=pose_wrench_filter", "object.material.young_modulus=39e3",
@@ -27,7 +27,7 @@ std::vector<std::string> scene_errors(std::vector<std::string> more = {}) {
 class Steered {
  public:
   Steered(const std::string& scene, std::vector<std::string> overrides)
-      : loop_(scene, kConfiguration, std::move(overrides), kDaemonErrors) {
+      : loop_(scene, kVisionConfiguration, std::move(overrides), kDaemonErrors) {
     loop_.run(0.1);
     loop_.send_event("start");
     loop_.run(0.9);
@@ -71,7 +71,7 @@ TEST(Vision, BringsAPointWithinAMillimetreOfItsTarget) {
   Steered blind(kBlindScene, scene_errors());
   blind.aim(way);
   blind.run(6);
-  Steered seen(kScene, scene_errors());
+  Steered seen(kVisionScene, scene_errors());
   seen.aim(way);
   seen.run(6);
   const Eigen::VectorXd unseen = blind.shape_errors(), errors = seen.shape_errors();
@@ -90,7 +90,7 @@ TEST(Vision, BringsAPointWithinAMillimetreOfItsTarget) {
 
 TEST(Vision, OcclusionCausesNoStepOfTheCommand) {
   // Visible until 4 s, occluded until 9 s, visible again.
-  Steered hand(kScene, scene_errors({"camera.occlusions=[{at: 4, duration: 5}]"}));
+  Steered hand(kVisionScene, scene_errors({"camera.occlusions=[{at: 4, duration: 5}]"}));
   hand.aim({0, 0, 0.03});
   hand.run(2.9);  // until just before the occlusion
   hand.take_largest_step();

@@ -102,15 +102,13 @@ RunResult reject_configurations(const Bench&, std::uint64_t seed) {
 constexpr double kSimulatorPatience = 40;  // s; the plant settles first
 constexpr double kBraked = 0.5;            // s after which all motion must have ended
 
-std::string source(const char* path) { return (config::data_folder() / path).string(); }
-
 common::Process start_simulator(const runs::Urls& urls, const std::filesystem::path& folder,
                                 const char* words) {
   return {"palpate-sim",
           {(common::program_folder() / "palpate-sim").string(),
-           source("sim/scenes/bar_long_soft_control.yaml"), "--set", "object.elements=[8, 1, 1]",
-           "--set", "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping,
-           "--set", "bus.pictures=" + urls.pictures},
+           (config::data_folder() / "sim/scenes/bar_long_soft_control.yaml").string(), "--set",
+           "object.elements=[8, 1, 1]", "--set", "bus.control=" + urls.control, "--set",
+           "bus.housekeeping=" + urls.housekeeping, "--set", "bus.pictures=" + urls.pictures},
           folder / words};
 }
 

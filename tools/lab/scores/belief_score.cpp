@@ -16,7 +16,7 @@ constexpr std::int64_t kModulusEach = 100000;  // us
 constexpr double kMoves = 1e-4;                // m or, of the quaternion, 1 in that time
 constexpr double kSoon = 3;                    // s of motion within which E must be identified
 
-double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
+double seconds_of(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
 void score_deviations(const log::RunLog& run, const math::Pose& X_OP, BeliefScore& score) {
   NodeBelief belief;
@@ -48,15 +48,16 @@ void score_estimates(const log::RunLog& run, BeliefScore& score) {
   for (const estimate_t& estimate : run.estimates) {
     if (reports_contact(estimate)) {
       ++with_contact;
-      if (!score.first_contact) score.first_contact = seconds(estimate.utime - start);
+      if (!score.first_contact) score.first_contact = seconds_of(estimate.utime - start);
     }
     if (estimate.utime < next) continue;
     next = estimate.utime + kModulusEach;
     estimated |= estimate.log_young_modulus_deviation >= 0;
     if (before != nullptr && has_moved(*before, estimate))
-      moved += seconds(estimate.utime - before->utime);
+      moved += seconds_of(estimate.utime - before->utime);
     before = &estimate;
-    score.modulus.push_back({seconds(estimate.utime - start), std::exp(estimate.log_young_modulus),
+    score.modulus.push_back({seconds_of(estimate.utime - start),
+                             std::exp(estimate.log_young_modulus),
                              estimate.log_young_modulus_deviation, moved});
   }
   if (!estimated) score.modulus.clear();

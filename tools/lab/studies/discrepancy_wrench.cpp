@@ -8,8 +8,8 @@ namespace {
 
 using math::Vector6d;
 
-constexpr std::int64_t kSameTime = 50000;  // us
-constexpr double kNormalInterval = 1.96;   // deviations of a 95 % interval
+constexpr std::int64_t kSameTimeUs = 50000;  // us
+constexpr double kNormalInterval = 1.96;     // deviations of a 95 % interval
 
 /// Wrench of one hand on the object in the plant's O, in palpated's.
 Vector6d true_wrench(const truth_contact_t& truth, int hand, const math::Pose& X_OP) {
@@ -28,7 +28,7 @@ WrenchBelief wrench_belief(const std::vector<truth_contact_t>& truth,
   for (const estimate_t& estimate : estimates) {
     if (estimate.utime < from || estimate.utime > until) continue;
     const truth_contact_t* now = log::latest(truth, estimate.utime);
-    if (now == nullptr || estimate.utime - now->utime > kSameTime) continue;
+    if (now == nullptr || estimate.utime - now->utime > kSameTimeUs) continue;
     for (int hand = 0; hand < std::min(now->grasp_count, estimate.grasp_count); ++hand) {
       const Eigen::Map<const Vector6d> predicted(estimate.reaction[hand]);
       const Vector6d error = true_wrench(*now, hand, X_OP) - predicted;

@@ -11,7 +11,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 /// Unconstrained.
-Body free_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
+Body free_bar_without_coupling(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
   Body body = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, order, {1e4, 0, 300});
   body.fixed_nodes.clear();
   body.damping = {0, 0};
@@ -20,7 +20,7 @@ Body free_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
 
 TEST(ShapeMatching, RigidMotionIsNotCorrected) {
   for (auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
-    const Body body = free_bar(order);
+    const Body body = free_bar_without_coupling(order);
     ShapeMatchingModel model(body);
     model.prepare();
     const math::Pose X = math::make_pose(rotation(2.8, {1, 2, -1}), Vector3d(0.3, -0.1, 2));
@@ -120,7 +120,7 @@ TEST(ShapeMatching, StiffnessDependsOnTheStepOnlyWhereItSaysSo) {
 }
 
 TEST(ShapeMatching, EquilibriumOfForcesAndMoments) {
-  Body body = free_bar(mesh::ElementOrder::kQuadratic);
+  Body body = free_bar_without_coupling(mesh::ElementOrder::kQuadratic);
   body.damping.mass_factor = 20;
   GraspRegion other;
   other.nodes = nodes_at(body.mesh, 0, 0);
@@ -153,7 +153,7 @@ TEST(ShapeMatching, EquilibriumOfForcesAndMoments) {
 }
 
 TEST(ShapeMatching, FreeFallAndMomentum) {
-  const Body body = free_bar();
+  const Body body = free_bar_without_coupling();
   ShapeMatchingModel model(body);
   model.prepare();
   model.set_gravity({0, 0, -9.81});
@@ -195,10 +195,10 @@ TEST(ShapeMatching, ReturnsToRest) {
 TEST(ShapeMatching, OptionsOutOfRangeAreRefused) {
   ShapeMatchingOptions options;
   options.rings = 0;
-  EXPECT_THROW(ShapeMatchingModel(free_bar(), options), std::invalid_argument);
+  EXPECT_THROW(ShapeMatchingModel(free_bar_without_coupling(), options), std::invalid_argument);
   options = {};
   options.max_substeps = 0;
-  EXPECT_THROW(ShapeMatchingModel(free_bar(), options), std::invalid_argument);
+  EXPECT_THROW(ShapeMatchingModel(free_bar_without_coupling(), options), std::invalid_argument);
 }
 
 }  // namespace

@@ -17,11 +17,11 @@
 namespace palpate::mesh {
 namespace {
 
-constexpr int kMeshes = 1000;
+constexpr int kDamagedMeshes = 1000;
 
 TEST(MeshDefects, NothingIsSaidOfGoodMeshes) {
   RandomMeshes random(1);
-  for (int i = 0; i < kMeshes; ++i) {
+  for (int i = 0; i < kDamagedMeshes; ++i) {
     const MeshReport report = check(random.make());
     ASSERT_TRUE(report.ok()) << "mesh " << i << ": " << report.text();
     ASSERT_EQ(report.non_manifold_edges.size() + report.non_manifold_nodes.size(), 0U)
@@ -35,22 +35,22 @@ using Sees = std::function<bool(const MeshReport&)>;
 void expect_found(const Damage& damage, const Sees& sees, bool refused = true) {
   RandomMeshes random(2);
   int found = 0;
-  for (int i = 0; i < kMeshes; ++i) {
+  for (int i = 0; i < kDamagedMeshes; ++i) {
     TetrahedralMesh mesh = random.make();
     damage(mesh, random);
     const MeshReport report = check(mesh);
     found += sees(report) && report.ok() != refused ? 1 : 0;
   }
-  EXPECT_EQ(found, kMeshes);
+  EXPECT_EQ(found, kDamagedMeshes);
 }
 
-int add_node(TetrahedralMesh& mesh, const Eigen::Vector3d& place) {
+int append_node(TetrahedralMesh& mesh, const Eigen::Vector3d& place) {
   mesh.nodes.conservativeResize(3, mesh.node_count() + 1);
   mesh.nodes.rightCols<1>() = place;
   return mesh.node_count() - 1;
 }
 
-void add_tetrahedron(TetrahedralMesh& mesh, const Eigen::Vector4i& corners) {
+void append_tetrahedron(TetrahedralMesh& mesh, const Eigen::Vector4i& corners) {
   mesh.tetrahedra.conservativeResize(4, mesh.tetrahedron_count() + 1);
   mesh.tetrahedra.rightCols<1>() = corners;
 }
@@ -63,9 +63,9 @@ void add_outside(TetrahedralMesh& mesh, const std::vector<int>& shared) {
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d away =
         (Eigen::Vector3d(2, 2, 2) + Eigen::Vector3d::Unit(i % 3) * (1 + i)).cwiseProduct(size);
-    corners[i] = i < static_cast<int>(shared.size()) ? shared[i] : add_node(mesh, lower + away);
+    corners[i] = i < static_cast<int>(shared.size()) ? shared[i] : append_node(mesh, lower + away);
   }
-  add_tetrahedron(mesh, corners);
+  append_tetrahedron(mesh, corners);
   orient(mesh);
 }
 
@@ -132,7 +132,7 @@ TEST(MeshDefects, DuplicateNode) {
         int& corner = mesh.tetrahedra(random.below(4), random.below(mesh.tetrahedron_count()));
         const Eigen::Vector3d apart =
             Eigen::Vector3d::Constant(random.between(-1, 1) * 0.5e-9 * size);
-        corner = add_node(mesh, mesh.nodes.col(corner) + apart);
+        corner = append_node(mesh, mesh.nodes.col(corner) + apart);
       },
       [](const MeshReport& report) { return !report.duplicate_nodes.empty(); });
 }
@@ -140,7 +140,7 @@ TEST(MeshDefects, DuplicateNode) {
 TEST(MeshDefects, UnusedNode) {
   expect_found(
       [](TetrahedralMesh& mesh, RandomMeshes&) {
-        add_node(mesh, mesh.nodes.rowwise().maxCoeff() * 2 + Eigen::Vector3d::Ones());
+        append_node(mesh, mesh.nodes.rowwise().maxCoeff() * 2 + Eigen::Vector3d::Ones());
       },
       [](const MeshReport& report) { return report.unused_nodes.size() == 1; });
 }
@@ -179,7 +179,7 @@ TEST(MeshDefects, TheSameTetrahedronTwice) {
   expect_found(
       [](TetrahedralMesh& mesh, RandomMeshes& random) {
         const Eigen::Vector4i again = mesh.tetrahedra.col(random.below(mesh.tetrahedron_count()));
-        add_tetrahedron(mesh, {again[1], again[2], again[0], again[3]});
+        append_tetrahedron(mesh, {again[1], again[2], again[0], again[3]});
       },
       [](const MeshReport& report) { return report.overlapping.size() >= 2; });
 }

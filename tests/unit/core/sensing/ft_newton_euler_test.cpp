@@ -12,7 +12,7 @@ namespace palpate::sensing {
 namespace {
 
 constexpr double kPeriod = 1e-3;
-const Eigen::Vector3d kGravity(0, 0, -9.81);
+const Eigen::Vector3d kGravityDown(0, 0, -9.81);
 
 /// A hand that shakes and rotates along known sines, its sensors read without error, while it
 /// exerts a known wrench on the object.
@@ -22,7 +22,7 @@ struct ShakenHand {
     options.payload.first_moment = 4.8 * Eigen::Vector3d(0.002, -0.003, 0.1137);
     options.payload.inertia << 0.09, 0.001, -0.002, 0.085, 0.003, 0.012;
     options.payload.bias = {{3, -7, 11}, {0.2, -0.4, 0.1}};
-    options.gravity_W = kGravity;
+    options.gravity_W = kGravityDown;
     options.X_ES = math::make_pose(math::exp_rotation({0.2, 1, -0.4}), {0.01, 0.02, 0.04});
     options.X_EI = math::make_pose(math::exp_rotation({1, -0.5, 0.3}), {0.05, -0.03, 0.08});
     options.imu_offset_time = 0;
@@ -53,7 +53,7 @@ struct ShakenHand {
     constexpr double h = 1e-4;
     const Eigen::Vector3d alpha_W = (omega_W(t + h) - omega_W(t - h)) / (2 * h);
     const LoadMotion motion = motion_from_world(X_WS.linear(), acceleration_W(t, options.X_ES),
-                                                omega_W(t), alpha_W, kGravity);
+                                                omega_W(t), alpha_W, kGravityDown);
     const math::Wrench load = load_wrench(options.payload, motion);
     ForceTorque reading;
     reading.time = t;
@@ -63,7 +63,7 @@ struct ShakenHand {
     const Eigen::Matrix3d R_IW = (X_WE(t) * options.X_EI).linear().transpose();
     Inertial inertial;
     inertial.time = t;
-    inertial.acceleration_I = R_IW * (acceleration_W(t, options.X_EI) - kGravity);
+    inertial.acceleration_I = R_IW * (acceleration_W(t, options.X_EI) - kGravityDown);
     inertial.angular_velocity_I = R_IW * omega_W(t);
     feed(signals.inertial, inertial);
 
@@ -308,7 +308,7 @@ TEST(FtNewtonEuler, TareRemovesWhatThePayloadDoesNotExplain) {
     robot.X_WE.linear() = math::exp_rotation({angle, 0, 0});
     feed(signals.robot, robot);
     const Eigen::Matrix3d R_WS = robot.X_WE.linear() * hand.options.X_ES.linear();
-    feed_wrench(signals, load_wrench(payload, motion_at_rest(R_WS, kGravity)));
+    feed_wrench(signals, load_wrench(payload, motion_at_rest(R_WS, kGravityDown)));
     for (int i = 0; i < 10; ++i) static_cast<void>(sensor.update(signals, contacts = {}));
     ASSERT_EQ(contacts.count, 1);
     EXPECT_LT(contacts.contacts[0].wrench.vector().norm(), 1e-10) << angle;
@@ -325,7 +325,7 @@ TEST(FtNewtonEuler, PolarityTurnsASensorOfTheOtherConvention) {
   RobotState robot;
   feed(signals.robot, robot);
   const math::Wrench load =
-      load_wrench(hand.options.payload, motion_at_rest(hand.options.X_ES.linear(), kGravity));
+      load_wrench(hand.options.payload, motion_at_rest(hand.options.X_ES.linear(), kGravityDown));
   feed_wrench(signals, {-(load.force + Eigen::Vector3d(1, 0, 0)), -load.torque});
   static_cast<void>(sensor.update(signals, contacts = {}));
   EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);

@@ -15,14 +15,14 @@ namespace palpate::daemon {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::int64_t kMs = 1'000'000;  // ns
+constexpr std::int64_t kRecordMs = 1'000'000;  // ns
 constexpr std::int64_t kWallClock = 1'700'000'000'000'000;
 
 /// A loop that receives a wrench and publishes an estimate each millisecond.
 class CrashRecordTest : public ::testing::Test {
  protected:
   void cycle(CrashRecord& record, int ms) {
-    record.begin_cycle(ms * kMs, kWallClock + 1000 * ms);
+    record.begin_cycle(ms * kRecordMs, kWallClock + 1000 * ms);
     ft_wrench_t wrench{};
     wrench.seq = ms;
     sensor_.publish(wrench);
@@ -75,10 +75,10 @@ TEST_F(CrashRecordTest, HoldsTheLastInputsAndOutputsBeforeTheFaultInOrder) {
 TEST_F(CrashRecordTest, WallClockThatJumpsDoesNotReorderIt) {
   CrashRecord record(settings(), 1e-3, *control_);
   cycle(record, 0);
-  record.begin_cycle(1 * kMs, kWallClock - 3'600'000'000);
+  record.begin_cycle(1 * kRecordMs, kWallClock - 3'600'000'000);
   estimates_.publish(estimate_t{});
   record.hand_over("fault");
-  record.begin_cycle(2 * kMs, kWallClock + 2000);
+  record.begin_cycle(2 * kRecordMs, kWallClock + 2000);
   bus::EventLogReader log(record.write_handed_over());
   std::int64_t last = 0;
   while (const bus::LoggedEvent* event = log.next()) last = event->utime;
@@ -123,7 +123,7 @@ TEST_F(CrashRecordTest, CostsTheLoopNoAllocationAndLittleTime) {
   const auto run = [&](CrashRecord* record) {
     const auto began = std::chrono::steady_clock::now();
     for (int ms = 0; ms < kCycles; ++ms) {
-      if (record != nullptr) record->begin_cycle(ms * kMs, ms);
+      if (record != nullptr) record->begin_cycle(ms * kRecordMs, ms);
       // About the size in bytes of a cycle with all messages of a daemon.
       for (int i = 0; i < 4; ++i) estimates_.publish(estimate_t{});
     }

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-const Vector3d kSize(0.1, 0.03, 0.03);
+const Vector3d kBeamSize(0.1, 0.03, 0.03);
 // Markers top, left and right of the tip, standing 6 mm off the surface; the clamp is at x = 0.
 const Matrix3d kMarkers =
     (Matrix3d() << 0.1, 0.1, 0.1, 0.015, -0.006, 0.036, 0.036, 0.024, 0.006).finished();
@@ -69,7 +69,7 @@ std::vector<Recording> read_statics() {
 
 PlantOptions beam(double young_modulus, const std::array<int, 3>& elements = {6, 2, 2}) {
   PlantOptions options;
-  options.size = kSize;
+  options.size = kBeamSize;
   options.elements = elements;
   options.young_modulus = young_modulus;
   options.poisson_ratio = 0.49;
@@ -81,13 +81,13 @@ PlantOptions beam(double young_modulus, const std::array<int, 3>& elements = {6,
 
 Vector3d marker(const HyperelasticPlant& plant, int index) {
   const Vector3d place = kMarkers.col(index);
-  const Vector3d foot = place.cwiseMax(Vector3d::Zero()).cwiseMin(kSize);
+  const Vector3d foot = place.cwiseMax(Vector3d::Zero()).cwiseMin(kBeamSize);
   const Vector3d stand = place - foot;
   int normal = 0;
   stand.cwiseAbs().maxCoeff(&normal);
   const auto tangent = [&](int axis) -> Vector3d {
     const Vector3d step = 1e-4 * Vector3d::Unit(axis);
-    return plant.position_at((foot + step).cwiseMin(kSize)) - plant.position_at(foot - step);
+    return plant.position_at((foot + step).cwiseMin(kBeamSize)) - plant.position_at(foot - step);
   };
   const Vector3d out = tangent((normal + 1) % 3).cross(tangent((normal + 2) % 3)).normalized();
   return plant.position_at(foot) + stand[normal] * out;
@@ -99,8 +99,9 @@ Matrix3d predict(const PlantOptions& options, double load) {
   const int edges = options.elements[1];
   for (int e = 0; e < edges; ++e) {
     for (int i = 0; i < 3; ++i) {
-      const double y = kSize.y() * (e + 0.5 * i) / edges;
-      plant.add_force(plant.locate({kSize.x(), y, kSize.z()}), {0, 0, -load * share[i] / edges});
+      const double y = kBeamSize.y() * (e + 0.5 * i) / edges;
+      plant.add_force(plant.locate({kBeamSize.x(), y, kBeamSize.z()}),
+                      {0, 0, -load * share[i] / edges});
     }
   }
   EXPECT_TRUE(plant.settle(20, 1e-4).converged);

@@ -11,11 +11,11 @@ namespace palpate::object {
 namespace {
 
 /// Six different elements: one full pack and half of another.
-HexahedralGrid grid() {
+HexahedralGrid pack_grid() {
   return {Eigen::Vector3d(0.1, -0.2, 0.3), {{{0, 0.03, 0.08, 0.12}, {0, 0.02, 0.06}, {0, 0.05}}}};
 }
 
-Eigen::Matrix3Xd random_field(Eigen::Index n) {
+Eigen::Matrix3Xd random_motion(Eigen::Index n) {
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
   Eigen::Matrix3Xd field(3, n);
@@ -44,8 +44,8 @@ Eigen::Matrix3d plain_gradient(const HexahedralGrid& grid, const Eigen::Matrix3X
 }
 
 TEST(HexahedronPack, GradientsAreThoseOfTheShapeFunctions) {
-  const HexahedralGrid box = grid();
-  const Eigen::Matrix3Xd field = random_field(box.node_count());
+  const HexahedralGrid box = pack_grid();
+  const Eigen::Matrix3Xd field = random_motion(box.node_count());
   for (const int first : {0, 4}) {
     const HexahedronPack pack(box, first);
     ASSERT_EQ(pack.lanes(), first == 0 ? 4 : 2);
@@ -64,8 +64,8 @@ TEST(HexahedronPack, GradientsAreThoseOfTheShapeFunctions) {
 }
 
 TEST(HexahedronPack, DivergenceDoesTheWorkOfTheStress) {
-  const HexahedralGrid box = grid();
-  const Eigen::Matrix3Xd virtual_motion = random_field(box.node_count());
+  const HexahedralGrid box = pack_grid();
+  const Eigen::Matrix3Xd virtual_motion = random_motion(box.node_count());
   Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, box.node_count());
   double work = 0, scale = 0;
   for (int first = 0; first < box.element_count(); first += kTogether) {

@@ -14,9 +14,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kDt = 1e-3;
+constexpr double kControlDt = 1e-3;
 
-Robot make_arm(const RobotOptions& options = {}) {
+Robot make_arm_with(const RobotOptions& options = {}) {
   Robot robot(load_model(kArmUrdf), options);
   robot.set_joints(ready_pose());
   return robot;
@@ -33,7 +33,7 @@ TEST(VelocityControl, LimitsHoldUnderAdversarialCommands) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
-    Robot robot = make_arm();
+    Robot robot = make_arm_with();
     const VectorXd centre = 0.5 * (robot.limits().upper + robot.limits().lower);
     const VectorXd half = 0.5 * (robot.limits().upper - robot.limits().lower);
     int kind = 0, left = 0;
@@ -51,7 +51,7 @@ TEST(VelocityControl, LimitsHoldUnderAdversarialCommands) {
       if (kind == 2) robot.command_joints((random() % 2 ? 20 : -20) * VectorXd::Ones(7));  // bang
       if (kind == 3) robot.command_twist(math::Twist::from((i / 7 % 2 ? 10 : -10) * twist));
       // kind 4: silence
-      robot.step(kDt);
+      robot.step(kControlDt);
       closest = std::min(closest, room(robot));
       const double speed =
           (robot.joint_velocities().cwiseAbs().array() / robot.limits().velocity.array())
@@ -71,20 +71,20 @@ TEST(VelocityControl, LimitsHoldUnderAdversarialCommands) {
 }
 
 TEST(VelocityControl, TorqueLimitsSaturateVisibly) {
-  Robot robot = make_arm();
-  for (int i = 0; i < 200; ++i) robot.step(kDt);
+  Robot robot = make_arm_with();
+  for (int i = 0; i < 200; ++i) robot.step(kControlDt);
   EXPECT_FALSE(robot.torque_limited());
   EXPECT_EQ(robot.torque_limited_steps(), 0);
   // At G, 0.38 m from joint 6 and its 30 N m: 20 N in addition to the hand's weight are held, 200 N
   // are not.
   const Vector3d p_G = robot.link_pose("grasp").translation();
   robot.set_hand_load({Vector3d(0, 0, -20), Vector3d::Zero()}, p_G);
-  for (int i = 0; i < 100; ++i) robot.step(kDt);
+  for (int i = 0; i < 100; ++i) robot.step(kControlDt);
   EXPECT_EQ(robot.torque_limited_steps(), 0);
   robot.set_hand_load({Vector3d(0, 0, -200), Vector3d::Zero()}, p_G);
   int limited = 0;
   for (int i = 0; i < 30; ++i) {
-    robot.step(kDt);
+    robot.step(kControlDt);
     limited += robot.torque_limited() ? 1 : 0;
     EXPECT_TRUE((robot.joint_torques().cwiseAbs().array() <= robot.limits().torque.array()).all());
     const bool at_limit =
@@ -95,7 +95,7 @@ TEST(VelocityControl, TorqueLimitsSaturateVisibly) {
   EXPECT_EQ(robot.torque_limited_steps(), limited);
   // Once the load is removed the arm comes to rest near its displaced position, without wind-up.
   robot.set_hand_load(math::Wrench(), p_G);
-  for (int i = 0; i < 1500; ++i) robot.step(kDt);
+  for (int i = 0; i < 1500; ++i) robot.step(kControlDt);
   EXPECT_FALSE(robot.torque_limited());
   EXPECT_LT(robot.joint_velocities().norm(), 1e-3);
 }
@@ -103,22 +103,22 @@ TEST(VelocityControl, TorqueLimitsSaturateVisibly) {
 TEST(VelocityControl, StaleCommandsStopWithinTheAccelerationLimit) {
   RobotOptions options;
   options.follower.acceleration = 4;
-  Robot robot = make_arm(options);
+  Robot robot = make_arm_with(options);
   const double limit = options.follower.acceleration;
   VectorXd rate(7);
   rate << 0.8, -0.5, 0.6, 0.4, 1.0, -0.7, 0.9;
   for (int i = 0; i < 500; ++i) {
     robot.command_joints(rate);
-    robot.step(kDt);
+    robot.step(kControlDt);
   }
   EXPECT_LT((robot.joint_velocities() - rate).cwiseAbs().maxCoeff(), 1e-3);
   VectorXd before = robot.joint_velocities();
   double hardest = 0;
   int stopped_after = 0;
   for (int i = 1; i <= 600; ++i) {
-    robot.step(kDt);  // silence
+    robot.step(kControlDt);  // silence
     const VectorXd now = robot.joint_velocities();
-    hardest = std::max(hardest, (now - before).cwiseAbs().maxCoeff() / kDt);
+    hardest = std::max(hardest, (now - before).cwiseAbs().maxCoeff() / kControlDt);
     before = now;
     if (now.cwiseAbs().maxCoeff() > 1e-3) stopped_after = i;
   }
@@ -126,8 +126,8 @@ TEST(VelocityControl, StaleCommandsStopWithinTheAccelerationLimit) {
   EXPECT_GT(hardest, 0.9 * limit);
   // The time-out, the fastest joint's braking time, and the settling of a controller of 15 Hz.
   const double expected = options.follower.command_time_out + rate.maxCoeff() / limit;
-  EXPECT_GT(kDt * stopped_after, expected - 0.01);
-  EXPECT_LT(kDt * stopped_after, expected + 0.05);
+  EXPECT_GT(kControlDt * stopped_after, expected - 0.01);
+  EXPECT_LT(kControlDt * stopped_after, expected + 0.05);
 }
 
 struct Tracking {
@@ -136,16 +136,16 @@ struct Tracking {
 
 /// Error of the flange's twist on a Lissajous motion about the ready pose.
 Tracking track(double frequency) {
-  Robot robot = make_arm();
+  Robot robot = make_arm_with();
   Tracking e;
   const int first = 500, last = 8000;
   for (int i = 0; i < last; ++i) {
-    const double w = 2 * M_PI * frequency, t = kDt * (i + 1), ramp = std::min(1.0, t / 0.3);
+    const double w = 2 * M_PI * frequency, t = kControlDt * (i + 1), ramp = std::min(1.0, t / 0.3);
     const math::Twist V{
         ramp * 0.1 * Vector3d(std::cos(w * t), std::sin(2 * w * t), std::cos(3 * w * t)),
         ramp * 0.3 * Vector3d(std::sin(w * t), std::cos(2 * w * t), std::sin(w * t))};
     robot.command_twist(V);
-    robot.step(kDt);
+    robot.step(kControlDt);
     if (i < first) continue;
     const double linear = (robot.flange_twist().linear - V.linear).norm();
     const double angular = (robot.flange_twist().angular - V.angular).norm();
@@ -175,20 +175,20 @@ TEST(VelocityControl, TracksACommandedTwist) {
 std::vector<VectorXd> circle(double posture_gain, int circles) {
   RobotOptions options;
   options.follower.posture_gain = posture_gain;
-  Robot robot = make_arm(options);
+  Robot robot = make_arm_with(options);
   const math::Pose start = robot.flange_pose();
   const double radius = 0.05, period = 1.6, w = 2 * M_PI / period;
-  const int steps = static_cast<int>(std::lround(period / kDt));
+  const int steps = static_cast<int>(std::lround(period / kControlDt));
   std::vector<VectorXd> after;
   for (int i = 0; i < circles * steps; ++i) {
-    const double t = kDt * i;
+    const double t = kControlDt * i;
     const math::Pose X = robot.flange_pose();
     const Vector3d target =
         start.translation() + radius * Vector3d(0, std::sin(w * t), 1 - std::cos(w * t));
     const Vector3d speed = radius * w * Vector3d(0, std::cos(w * t), std::sin(w * t));
     robot.command_twist({speed + 5 * (target - X.translation()),
                          5 * math::log_rotation(start.linear() * X.linear().transpose())});
-    robot.step(kDt);
+    robot.step(kControlDt);
     if ((i + 1) % steps == 0) after.push_back(robot.joint_positions());
   }
   EXPECT_LT((robot.flange_pose().translation() - start.translation()).norm(), 2e-3);

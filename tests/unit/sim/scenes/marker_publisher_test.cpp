@@ -12,7 +12,8 @@ namespace {
 
 const std::string kMarkers = "markers.rest_points=[[0.25, 0.03, 0.06], [0.1, 0, 0.03]]";
 
-std::vector<shape_observation_t> observe(double seconds, std::vector<std::string> overrides) {
+std::vector<shape_observation_t> observe_markers(double seconds,
+                                                 std::vector<std::string> overrides) {
   overrides.push_back(kMarkers);
   Stage stage(kSixPoses, coarse(std::move(overrides)));
   stage.run(seconds);
@@ -40,7 +41,7 @@ TEST(MarkerPublisher, MarkersAreWhereTheirMaterialIs) {
 }
 
 TEST(MarkerPublisher, NoiseIsAsLargeAsStated) {
-  const auto clear = observe(3, {}), noisy = observe(3, {"markers.noise=0.002"});
+  const auto clear = observe_markers(3, {}), noisy = observe_markers(3, {"markers.noise=0.002"});
   ASSERT_EQ(clear.size(), noisy.size());
   double squares = 0;
   int count = 0;
@@ -55,10 +56,10 @@ TEST(MarkerPublisher, NoiseIsAsLargeAsStated) {
 
 TEST(MarkerPublisher, SaysNothingWhileSomethingIsInTheWay) {
   const auto messages =
-      observe(1.5, {"markers.occlusions=[{at: 0.5, duration: 0.5}]", "markers.rate=100"});
+      observe_markers(1.5, {"markers.occlusions=[{at: 0.5, duration: 0.5}]", "markers.rate=100"});
   EXPECT_NEAR(messages.size(), 100, 2);
   for (const auto& m : messages) EXPECT_FALSE(m.utime > 500000 && m.utime < 1000000) << m.utime;
-  EXPECT_TRUE(observe(0.5, {"markers.drop_out=1"}).empty());
+  EXPECT_TRUE(observe_markers(0.5, {"markers.drop_out=1"}).empty());
 }
 
 TEST(Cuts, AnObjectThatIsCutSagsMoreAndOneThatIsNotStaysAsItWas) {

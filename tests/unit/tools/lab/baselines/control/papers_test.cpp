@@ -17,7 +17,7 @@
 namespace palpate::baselines {
 namespace {
 
-constexpr double kDt = 0.05;
+constexpr double kPaperDt = 0.05;
 
 class Papers : public ::testing::Test {
  protected:
@@ -50,10 +50,10 @@ class Papers : public ::testing::Test {
     for (int step = 0; step < steps; ++step) {
       const Eigen::VectorXd value = plant.value(feature_);
       feature_.error(value, target_, error);
-      provider.observe(support::seen(plant, value, kDt));
+      provider.observe(support::seen(plant, value, kPaperDt));
       provider.update(feature_, model_, plant.X_OG(), J);
       control::LawInputs inputs;
-      inputs.dt = kDt;
+      inputs.dt = kPaperDt;
       inputs.value = &value;
       inputs.target = &target_;
       inputs.error = &error;
@@ -63,7 +63,7 @@ class Papers : public ::testing::Test {
         law.compute(inputs, output);
         V = output.V_O_G;
       }
-      plant.move(V, kDt);
+      plant.move(V, kPaperDt);
     }
     return error_of(plant);
   }
