@@ -90,11 +90,20 @@ def runs_table(document, spec):
     return {"table": {"header": [column["name"] for column in spec["runs"]], "rows": rows}}
 
 
+def goals_table(study):
+    """A row for each goal of palpate-evaluate discrepancies."""
+    met = {True: "met", False: "missed", None: "not judged"}
+    rows = [[goal["goal"], goal["text"], met[goal["met"]]] for goal in study["goals"]]
+    return {"table": {"header": ["", "measured", "goal"], "rows": rows}}
+
+
 def result_of(study, spec, picture=None):
     """{"table": {"header", "rows"}, "values"} of a study; draws the picture if a file is given.
     `spec`: begin of the applications' names (`of`), `methods`, `columns` with `name` and `at` (JSON
     pointer in a run), `explained`: method and column of the picture. With `levels` a table over
-    seeds, with `runs` one of single runs."""
+    seeds, with `runs` one of single runs, with `goals` one of the study's goals."""
+    if "goals" in spec:
+        return goals_table(study)
     if "levels" in spec:
         return seeds_table(study, spec)
     if "runs" in spec:

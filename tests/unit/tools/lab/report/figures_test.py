@@ -210,6 +210,11 @@ class Draws(unittest.TestCase):
                 "applications": [{"name": "bar", "title": "a bar"}]}
         self.assertEqual(figure_tables.result_of({"runs": runs}, spec)["table"]["rows"], [["a bar", "none", "2.0 / 4.00", ""]])
 
+    def test_goals_of_a_study_have_a_row_each(self):
+        study = {"goals": [{"goal": "reported", "text": "8 of 10", "met": False}, {"goal": "held", "text": "none", "met": None}]}
+        self.assertEqual(figure_tables.result_of(study, {"goals": "all"})["table"]["rows"],
+                         [["reported", "8 of 10", "missed"], ["held", "none", "not judged"]])
+
     def test_single_runs_have_a_row_each(self):
         spec = {"runs": [{"name": "method", "at": "/job/method"}, self.COLUMN, {"name": "s", "at": "/none"}]}
         self.assertEqual(figure_tables.result_of({"runs": [run(1, 2, 0, 1)]}, spec)["table"]["rows"], [["filter", "2.0", ""]])
