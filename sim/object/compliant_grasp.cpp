@@ -1,10 +1,17 @@
 #include "sim/object/compliant_grasp.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace palpate::object {
+namespace {
+
+constexpr double kMostStiffening = 2;  // of the pads per area, relative to the patch
+
+}  // namespace
 
 HandMotion::HandMotion(const math::Pose& X_OG) : X_OG_(X_OG), X_start_(X_OG), X_end_(X_OG) {}
 
@@ -34,8 +41,25 @@ void HandMotion::stop() noexcept {
   V_O_G_ = V_end_ = math::Twist();
 }
 
+std::vector<CompliantGrasp::Spot> CompliantGrasp::spots_in(const HexahedralGrid& grid,
+                                                           const Box& box, int pinch_axis) {
+  const Eigen::VectorXd areas = grid.patch_areas(box, pinch_axis);
+  const Eigen::Matrix3Xd vectors = grid.patch_area_vectors(box, pinch_axis);
+  std::vector<Spot> spots;
+  for (int n = 0; n < areas.size(); ++n)
+    if (areas[n] > 0)
+      spots.push_back({n, areas[n], grid.nodes().col(n), vectors.col(n).normalized()});
+  return spots;
+}
+
 CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& options)
-    : friction_(options.friction), limited_(std::isfinite(options.grip)), hand_(options.X_OG_rest) {
+    : jaws_(options.jaws),
+      stiffness_(options.stiffness),
+      damping_(options.damping),
+      grip_(options.grip),
+      friction_(options.friction),
+      limited_(std::isfinite(options.grip)),
+      hand_(options.X_OG_rest) {
   if (!(options.stiffness > 0) || !(options.damping >= 0)) {
     throw std::invalid_argument("plant: the pads need stiffness > 0 and damping >= 0");
   }
@@ -48,25 +72,77 @@ CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& o
   if (!options.X_OG_rest.matrix().allFinite()) {
     throw std::invalid_argument("plant: the rest pose of the hand must be finite");
   }
-  const Eigen::VectorXd areas = grid.patch_areas(options.patch, options.pinch_axis);
-  const Eigen::Matrix3Xd vectors = grid.patch_area_vectors(options.patch, options.pinch_axis);
-  const double total = areas.sum();
-  if (!(total > 0)) throw std::invalid_argument("plant: the grasp box holds no surface node");
-  const Eigen::Matrix3d R_GO = options.X_OG_rest.linear().transpose();
-  const math::Pose X_GO = options.X_OG_rest.inverse();
-  for (int n = 0; n < areas.size(); ++n) {
-    if (areas[n] <= 0) continue;
-    Pad pad;
-    pad.node = n;
-    pad.area = areas[n];
-    pad.stiffness = options.stiffness * areas[n] / total;
-    pad.damping = options.damping * areas[n] / total;
-    pad.grip = limited_ ? options.grip * areas[n] / total : 0;
-    pad.normal_G = R_GO * vectors.col(n).normalized();
-    pad.p_G = X_GO * Eigen::Vector3d(grid.nodes().col(n));
-    pads_.push_back(pad);
+  if (options.open_at_rest && !options.jaws)
+    throw std::invalid_argument("plant: a hand that is open at rest needs jaws");
+  const std::vector<Spot> patch = spots_in(grid, options.patch, options.pinch_axis);
+  patch_area_ = grid.patch_areas(options.patch, options.pinch_axis).sum();
+  if (patch.empty()) throw std::invalid_argument("plant: the grasp box holds no surface node");
+  if (jaws_) {
+    const Eigen::Vector3d far = Eigen::Vector3d::Constant(std::numeric_limits<double>::max());
+    surface_ = spots_in(grid, {-far, far}, options.pinch_axis);
+    pads_.reserve(surface_.size());
   }
+  if (options.open_at_rest) return;
+  for (const Spot& spot : patch) attach(spot, patch_area_, spot.p_O, spot.normal);
   update_pads();
+}
+
+void CompliantGrasp::attach(const Spot& spot, double total, const Eigen::Vector3d& position,
+                            const Eigen::Vector3d& normal_O) {
+  Pad pad;
+  pad.node = spot.node;
+  pad.area = spot.area;
+  pad.stiffness = stiffness_ * spot.area / total;
+  pad.damping = damping_ * spot.area / total;
+  pad.grip = limited_ ? grip_ * spot.area / total : 0;
+  pad.normal_G = hand_.X_OG().linear().transpose() * normal_O;
+  pad.p_G = hand_.X_OG().inverse() * position;
+  pads_.push_back(pad);
+}
+
+void CompliantGrasp::open() noexcept {
+  if (jaws_) pads_.clear();
+}
+
+void CompliantGrasp::close(const Eigen::Matrix3Xd& positions) noexcept {
+  if (!jaws_ || holds()) return;
+  const math::Pose X_GO = hand_.X_OG().inverse();
+  const auto between = [&](const Spot& spot) {
+    return jaws_->contains(X_GO * Eigen::Vector3d(positions.col(spot.node)));
+  };
+  double area = 0;
+  Eigen::Vector3d at_rest = Eigen::Vector3d::Zero(), now = Eigen::Vector3d::Zero();
+  for (const Spot& spot : surface_) {
+    if (!between(spot)) continue;
+    area += spot.area;
+    at_rest += spot.area * spot.p_O;
+    now += spot.area * positions.col(spot.node);
+  }
+  if (!(area > 0)) return;
+  // Rotation of the held part since the rest state, for the normals (Kabsch 1976).
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Spot& spot : surface_) {
+    if (!between(spot)) continue;
+    covariance += spot.area * (positions.col(spot.node) - now / area) *
+                  (spot.p_O - at_rest / area).transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d U = svd.matrixU();
+  if (U.determinant() * svd.matrixV().determinant() < 0) U.col(2) *= -1;
+  const Eigen::Matrix3d R = U * svd.matrixV().transpose();
+  const double total = std::max(area, patch_area_ / kMostStiffening);
+  slide_ = {};
+  for (const Spot& spot : surface_)
+    if (between(spot)) attach(spot, total, positions.col(spot.node), R * spot.normal);
+  update_pads();
+}
+
+void CompliantGrasp::add_stiffness_bound(Eigen::VectorXd& stiffness) const noexcept {
+  for (const Spot& spot : surface_)
+    stiffness[spot.node] += kMostStiffening * stiffness_ / patch_area_ * spot.area;
+  if (surface_.empty())
+    for (const Pad& pad : pads_) stiffness[pad.node] += pad.stiffness;
 }
 
 void CompliantGrasp::slide(const Eigen::Vector3d& displacement_G,
@@ -177,8 +253,10 @@ GraspSlip CompliantGrasp::slip() const noexcept {
     slip.distance += pad.area * pad.slipped;
     slip.greatest = std::max(slip.greatest, pad.slipped);
   }
-  slip.share /= total;
-  slip.distance /= total;
+  if (total > 0) {
+    slip.share /= total;
+    slip.distance /= total;
+  }
   return slip;
 }
 

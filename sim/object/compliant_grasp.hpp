@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/math/rigid.hpp"
@@ -51,6 +52,10 @@ struct GraspOptions {
   double grip = std::numeric_limits<double>::infinity();
   double friction = 0.8;                          // Coulomb coefficient of the pads on the object
   math::Pose X_OG_rest = math::Pose::Identity();  // pose of the hand while the object is at rest
+  /// Of a hand that can open: where it holds the surface when it closes, in G. None: it always
+  /// holds the patch.
+  std::optional<Box> jaws;
+  bool open_at_rest = false;  // with jaws: the hand does not hold the object yet
 };
 
 /// Ground truth of a grasp's contact.
@@ -72,6 +77,9 @@ struct GraspSlip {
 /// contact.
 ///
 /// slide() shifts all anchors on the hand by a script, as if the hand slid along the material.
+///
+/// A hand with jaws can open; when it closes it holds the part of the surface that is between them
+/// then. Each part is as stiff per area as the patch, at most twice so if it is smaller.
 class CompliantGrasp {
  public:
   /// A node held by the pads.
@@ -93,6 +101,19 @@ class CompliantGrasp {
   /// Grasps the nodes at rest without spring force. Throws std::invalid_argument if the box holds
   /// no surface node or a value is out of range.
   CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& options);
+
+  /// With jaws: lets go of the object.
+  void open() noexcept;
+
+  /// With jaws, of an open hand: holds the surface between them at these positions (3 x n, m, in O)
+  /// without spring force. The hand remains open if there is none.
+  void close(const Eigen::Matrix3Xd& positions) noexcept;
+
+  bool holds() const { return !pads_.empty(); }
+
+  /// Upper bound of the stiffness, N/m, that the pads may ever have at each node, added to
+  /// `stiffness`.
+  void add_stiffness_bound(Eigen::VectorXd& stiffness) const noexcept;
 
   /// The hand's motion; the pads follow with advance().
   HandMotion& hand() { return hand_; }
@@ -139,11 +160,27 @@ class CompliantGrasp {
     bool ever = false;
   };
 
+  /// A node of the surface and its share of it at rest.
+  struct Spot {
+    int node = 0;
+    double area = 0;         // m^2
+    Eigen::Vector3d p_O;     // m
+    Eigen::Vector3d normal;  // outward, in O
+  };
+  static std::vector<Spot> spots_in(const HexahedralGrid& grid, const Box& box, int pinch_axis);
+
+  /// `total`: m^2, area over which stiffness, damping and grip are spread.
+  void attach(const Spot& spot, double total, const Eigen::Vector3d& position,
+              const Eigen::Vector3d& normal_O);
   void update_pads() noexcept;
   void limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen::Vector3d& trial,
              const Eigen::Vector3d& position) noexcept;
 
   std::vector<Pad> pads_;
+  std::vector<Spot> surface_;  // that the jaws may hold
+  std::optional<Box> jaws_;
+  double stiffness_ = 0, damping_ = 0, grip_ = 0;  // of all pads together
+  double patch_area_ = 0;                          // m^2, at rest
   double friction_ = 0;
   bool limited_ = false;
   HandMotion hand_;

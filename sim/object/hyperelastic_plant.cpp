@@ -78,8 +78,7 @@ HyperelasticPlant::HyperelasticPlant(const PlantOptions& options)
       tip_sums_(6, static_cast<int>(options.fingertips.size())) {
   add_grasps();
   Eigen::VectorXd springs = Eigen::VectorXd::Zero(grid_.node_count());
-  for (const CompliantGrasp& grasp : grasps_)
-    for (const auto& pad : grasp.pads()) springs[pad.node] += pad.stiffness;
+  for (const CompliantGrasp& grasp : grasps_) grasp.add_stiffness_bound(springs);
   for (int n = 0; n < grid_.node_count(); ++n)
     if (springs[n] > 0) padded_.push_back(n);
   add_fingertips();

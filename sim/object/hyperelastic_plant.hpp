@@ -103,7 +103,11 @@ class HyperelasticPlant final : public Plant {
   /// with damping if that matters.
   Settling settle(double max_seconds, double tolerance = 1e-5) noexcept;
 
-  bool grasped(int hand = 0) const override { return hand < grasp_count(); }
+  bool grasped(int hand = 0) const override {
+    return hand < grasp_count() && grasps_[hand].holds();
+  }
+  void open_hand(int hand) noexcept override { grasps_[hand].open(); }
+  void close_hand(int hand) noexcept override { grasps_[hand].close(positions_); }
 
   /// Wrench of the hand on the object about the origin of its G, in O, averaged over the last step.
   math::Wrench hand_wrench(int hand = 0) const override {

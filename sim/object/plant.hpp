@@ -36,6 +36,9 @@ class Plant {
 
   virtual int grasp_count() const { return 0; }
   virtual bool grasped(int /*hand*/) const { return false; }
+  /// Of hands that can open: let go of the object; hold what is between the jaws.
+  virtual void open_hand(int /*hand*/) noexcept {}
+  virtual void close_hand(int /*hand*/) noexcept {}
   /// Pose and velocity of a hand at the end of the next step.
   virtual void move_hand(int /*hand*/, const math::Pose& /*X_OG*/,
                          const math::Twist& /*V_O_G*/) noexcept {}

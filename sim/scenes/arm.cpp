@@ -127,7 +127,10 @@ void Arm::step(std::int64_t tick, double time, double dt, const object::Plant& p
 
 void Arm::lead(object::Plant& plant) const {
   fingertips_.move(*robot_, plant);
-  if (index_ < plant.grasp_count()) plant.move_hand(index_, grasp_in_object(), grasp_twist());
+  if (index_ >= plant.grasp_count()) return;
+  if (hand_.jaws() == HandControl::Jaws::kOpen) plant.open_hand(index_);
+  if (hand_.jaws() == HandControl::Jaws::kClose) plant.close_hand(index_);
+  plant.move_hand(index_, grasp_in_object(), grasp_twist());
 }
 
 sensors::Truth Arm::truth(const object::Plant& plant) const {

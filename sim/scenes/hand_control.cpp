@@ -43,6 +43,7 @@ bool HandControl::accept(const hand_command_t& command) {
     return false;
   }
   commanded_ = true;
+  jaws_ = command.action == hand_command_t::OPEN ? Jaws::kOpen : Jaws::kClose;
   return true;
 }
 

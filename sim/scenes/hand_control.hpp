@@ -34,10 +34,15 @@ class HandControl {
 
   const robot::ReactiveGrasp& grasp() const { return grasp_; }
 
+  /// What the last command makes the palm's jaws do.
+  enum class Jaws { kStay, kOpen, kClose };
+  Jaws jaws() const { return jaws_; }
+
  private:
   std::vector<std::string> tips_;
   robot::ReactiveGrasp grasp_;
   bool commanded_ = false;
+  Jaws jaws_ = Jaws::kStay;
 };
 
 }  // namespace palpate::scenes

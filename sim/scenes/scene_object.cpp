@@ -36,6 +36,12 @@ object::GraspOptions read_grasp(const config::Node& node, const char* box) {
         pads.choice({"pinch_axis", "", "of O, along which they press"}, {"x", "y", "z"});
     grasp.pinch_axis = axis[0] - 'x';
   }
+  if (node.has("jaws")) {
+    const config::Node jaws = node.child(
+        {"jaws", "", "of hands that can open: where they hold the surface once they close, in G"});
+    grasp.jaws = read_box(jaws);
+    grasp.open_at_rest = jaws.flag({"open_at_rest", "", "whether they begin open"}, false);
+  }
   return grasp;
 }
 
