@@ -116,8 +116,12 @@ void Daemon::tick(const Now& now) noexcept {
 }
 
 void Daemon::replace(const Now& now) noexcept {
+  if (const std::optional<pipeline::ClosedGrasp> grasp = pipeline_.jaws().wanted())
+    if (replacing_.request(*grasp, counters_.cycles)) pipeline_.jaws().begin(grasp->hand);
   const Replacing::Outcome outcome = replacing_.service(refactoring_, counters_.cycles);
   if (outcome == Replacing::Outcome::kNothing) return;
+  if (const std::optional<pipeline::ClosedGrasp>& grasp = replacing_.grasp())
+    pipeline_.jaws().end(grasp->hand, outcome == Replacing::Outcome::kReplaced);
   if (outcome == Replacing::Outcome::kReplaced) {
     health_.describe(replacing_.configuration_hash(), pipeline_.object().hash);
     reports_.begin(pipeline_);

@@ -17,25 +17,47 @@ const char* Replacing::request(const component_command_t& command, std::int64_t 
   if (pipeline_.on_fallback()) return "a fallback runs: reset first";
   if (state_ != State::kIdle) return "another replacement is under way";
   command_ = command;
+  grasp_.reset();
+  submit(cycle);
+  return "";
+}
+
+bool Replacing::request(const pipeline::ClosedGrasp& grasp, std::int64_t cycle) noexcept {
+  if (pipeline_.on_fallback() || state_ != State::kIdle) return false;
+  command_ = {};
+  command_.counter = -1;
+  bus::put_text(command_.slot, "object");
+  grasp_ = grasp;
+  submit(cycle);
+  return true;
+}
+
+void Replacing::submit(std::int64_t cycle) noexcept {
   pipeline_.copy_shape(snapshot_);
   reason_.fill('\0');
   due_ = cycle + delay_;
   state_ = State::kBuilding;
   worker_.submit([](void* self) noexcept { static_cast<Replacing*>(self)->build(); }, this);
-  return "";
+}
+
+/// The configuration after the request. Throws config::Error.
+config::Node Replacing::wanted() const {
+  pipeline::ReplaceRequest request;
+  request.slot = bus::get_text(command_.slot);
+  request.instance = bus::get_text(command_.instance);
+  request.component = bus::get_text(command_.component);
+  request.parameters =
+      grasp_ ? pipeline::found_grasp(*pipeline_.components().object, *grasp_, snapshot_.positions)
+             : bus::get_text(command_.parameters);
+  return pipeline::apply_request(root_.node, request);
 }
 
 /// Runs in the worker's thread.
 void Replacing::build() noexcept {
   try {
-    pipeline::ReplaceRequest request;
-    request.slot = bus::get_text(command_.slot);
-    request.instance = bus::get_text(command_.instance);
-    request.component = bus::get_text(command_.component);
-    request.parameters = bus::get_text(command_.parameters);
-    config::Node wanted = pipeline::apply_request(root_.node, request);
-    wanted_ = std::make_unique<Root>(Root{wanted, wanted.hash()});
-    auto replacement = std::make_unique<pipeline::Replacement>(root_.node, wanted,
+    const config::Node next = wanted();
+    wanted_ = std::make_unique<Root>(Root{next, next.hash()});
+    auto replacement = std::make_unique<pipeline::Replacement>(root_.node, next,
                                                                pipeline_.components(), snapshot_);
     if (replacement->changes().object) {
       const registry::Object& object = *replacement->components().object;
@@ -45,7 +67,7 @@ void Replacing::build() noexcept {
           pipeline::ShapeSnapshot{nodes, 0 * nodes, snapshot_.estimate});
     }
     fallbacks_ = std::make_unique<pipeline::Fallbacks>(
-        wanted, replacement->components(), next_snapshot_ ? *next_snapshot_ : snapshot_);
+        next, replacement->components(), next_snapshot_ ? *next_snapshot_ : snapshot_);
     replacement_ = std::move(replacement);
   } catch (const std::exception& error) {
     bus::put_text(reason_, error.what());

@@ -3,11 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <palpate/component_command_t.hpp>
 
 #include "rt/daemon/refactoring.hpp"
 #include "rt/daemon/telemetry.hpp"
 #include "rt/loop/background_worker.hpp"
+#include "rt/pipeline/closed_grasp.hpp"
 #include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
@@ -28,10 +30,16 @@ class Replacing {
   /// Accepts the event "replace" of a command; "" or the reason for immediate rejection.
   const char* request(const component_command_t& command, std::int64_t cycle) noexcept;
 
+  /// Accepts that a hand has closed: replaces the object by one that is held where the hand holds
+  /// it. False while another replacement is under way, or a fallback runs.
+  bool request(const pipeline::ClosedGrasp& grasp, std::int64_t cycle) noexcept;
+
   /// Called once per cycle, after the sensors were read. After kRejected nothing has changed.
   Outcome service(Refactoring& refactoring, std::int64_t cycle) noexcept;
 
-  /// Command of the last outcome.
+  /// The grasp of the last outcome; empty: it was a command.
+  const std::optional<pipeline::ClosedGrasp>& grasp() const noexcept { return grasp_; }
+  /// Command of the last outcome; of a grasp: only its slot.
   const component_command_t& command() const noexcept { return command_; }
   const char* reason() const noexcept { return reason_.data(); }
   std::int64_t configuration_hash() const noexcept { return root_.hash; }
@@ -40,6 +48,8 @@ class Replacing {
  private:
   enum class State { kIdle, kBuilding, kRunningAlong, kWaitingForFactor, kCleaning };
 
+  void submit(std::int64_t cycle) noexcept;
+  config::Node wanted() const;
   void build() noexcept;
   void clean() noexcept;
   Outcome reject(const char* reason) noexcept;
@@ -58,6 +68,7 @@ class Replacing {
   State state_ = State::kIdle;
   std::int64_t due_ = 0;
   component_command_t command_{};
+  std::optional<pipeline::ClosedGrasp> grasp_;
   std::array<char, 256> reason_{};
   std::int64_t replaced_ = 0;
 

@@ -77,6 +77,7 @@ void Pipeline::estimate(double dt) noexcept {
   inputs.grasp_count = static_cast<int>(components.object->body.grasps.size());
   for (int i = 0; i < inputs.grasp_count; ++i)
     frames::update_grasp(arms_[i].measurements(), i, contacts_O_, inputs.grasps[i]);
+  jaw_condition_.apply(jaws_->update(inputs));
   inputs.contact_count = contacts_O_.count;
   inputs.contacts = components.loads.data();
   frames::update_observation(arms_[0].measurements(), inputs.observation);
@@ -308,8 +309,8 @@ control::DiscrepancyAction Pipeline::discrepancy_action() const noexcept {
 Condition Pipeline::condition() const noexcept {
   if (!is_running()) return whole_;
   Condition worst = components_->worst_of(whole_);
-  if (static_cast<int>(obstacle_condition_.state) > static_cast<int>(worst.state))
-    worst = obstacle_condition_;
+  for (const Condition* other : {&obstacle_condition_, &jaw_condition_})
+    if (static_cast<int>(other->state) > static_cast<int>(worst.state)) worst = *other;
   return on_fallback() && worst.state == LifeCycle::kActive
              ? Condition{LifeCycle::kDegraded, fallback_reason_.data()}
              : worst;

@@ -9,6 +9,7 @@
 #include "core/control/safety_gate.hpp"
 #include "core/frames/arm_frames.hpp"
 #include "rt/pipeline/estimate_trust.hpp"
+#include "rt/pipeline/jaw_watch.hpp"
 #include "rt/pipeline/obstacle_motion.hpp"
 #include "rt/pipeline/replacement.hpp"
 
@@ -117,6 +118,8 @@ class Pipeline {
   const shape::Feature& feature() const noexcept { return *components_->feature; }
   const FeatureState& feature_state() const noexcept { return components_->feature_state; }
   const Target& target() const noexcept { return components_->target; }
+  /// Hands that open and close; a grasp that it wants is found by a Replacement of the object.
+  JawWatch& jaws() noexcept { return *jaws_; }
   /// Where the obstacles of the configuration are.
   const ObstacleMotion& obstacles() const noexcept { return *obstacles_; }
   /// Contacts in O, for display and estimation.
@@ -166,6 +169,8 @@ class Pipeline {
   std::vector<Arm> arms_;  // one or two
   std::unique_ptr<ObstacleMotion> obstacles_;
   Condition obstacle_condition_;
+  std::unique_ptr<JawWatch> jaws_;
+  Condition jaw_condition_;
   std::unique_ptr<ComponentSet> components_;
   Condition whole_;
   std::unique_ptr<Fallbacks> fallbacks_;

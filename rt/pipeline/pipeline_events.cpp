@@ -15,6 +15,7 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   cell_.plugins = plugin::Plugins::load(root);
   components_ = std::make_unique<ComponentSet>(root, cell_, Changes::all(root), nullptr);
   obstacles_ = std::make_unique<ObstacleMotion>(components_->object->obstacles, cell_.frames.X_WO);
+  jaws_ = std::make_unique<JawWatch>(*components_->object);
   components_->warm_up();
   fallbacks_ = std::make_unique<Fallbacks>(root, *components_, room_for_shape());
   remarks_.insert(remarks_.end(), root.warnings().begin(), root.warnings().end());
@@ -48,7 +49,7 @@ std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
 void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
-  obstacle_condition_ = {LifeCycle::kActive, ""};
+  obstacle_condition_ = jaw_condition_ = {LifeCycle::kActive, ""};
   for (Arm& arm : arms_) arm.gate.forget_overload();
   trust_.reset();
   components_->start();

@@ -102,6 +102,8 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::MeshW
   const mesh::ElementMesh& mesh = solid.body.mesh;
   elasticity::GraspRegion grasp;
   grasp.nodes = read_part(object, prefix + "grasp", source, mesh, remarks);
+  const std::vector<int> found = read_numbered_nodes(object, prefix + "grasp", mesh);
+  if (!found.empty()) grasp.nodes = found;
   if (object.has(prefix + "grasp_at_rest")) {
     grasp.X_OG_rest = object.pose(
         {prefix + "grasp_at_rest", "m", "X_OG at rest; absent: the centre of the held nodes"});
@@ -120,6 +122,13 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::MeshW
     object.fail(pads, error.what());
   }
   return grasp;
+}
+
+std::optional<Box> read_jaws(const config::Node& object, const char* key) {
+  if (!object.has(key)) return {};
+  const config::Node node =
+      object.child({key, "", "Of a hand that may open: what it holds when it closes"});
+  return node.read(box_options("in G"));
 }
 
 /// Section `material`, overridden by `material_file`, and section `damping`.
@@ -178,6 +187,7 @@ Object read_object(const config::Node& root, const Frames& frames,
 
   read_material(node, source, body);
   body.fixed_nodes = read_part(node, "fixed", source, body.mesh, remarks);
+  object.jaws = {read_jaws(node, "grasp_jaws"), read_jaws(node, "second_grasp_jaws")};
   if (has_part(node, "grasp")) body.grasps.push_back(read_grasp(node, source, object, "", remarks));
   if (has_part(node, "second_grasp")) {
     if (body.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");

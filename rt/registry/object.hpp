@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/elasticity/body.hpp"
 #include "core/mesh/surface.hpp"
+#include "rt/registry/box.hpp"
 #include "rt/registry/frames.hpp"
 #include "rt/registry/obstacles.hpp"
 
@@ -17,6 +20,8 @@ struct Object {
   elasticity::Body body;
   mesh::Surface surface;
   std::vector<ConfiguredObstacle> obstacles;  // which it may meet, in O
+  /// By hand: the space between its jaws, in G. None: the hand never opens.
+  std::array<std::optional<Box>, 2> jaws;
 };
 
 /// Reads `object` and `obstacles`. Where `material_file` (of palpate-fit) has a constant, it

@@ -123,6 +123,18 @@ bool has_part(const config::Node& object, const std::string& name) {
   return object.has(name + "_box") || object.has(name + "_group");
 }
 
+std::vector<int> read_numbered_nodes(const config::Node& object, const std::string& name,
+                                     const mesh::ElementMesh& mesh) {
+  const std::string key = name + "_nodes";
+  std::vector<int> nodes;
+  if (!object.has(key)) return nodes;
+  const double last = static_cast<double>(mesh.nodes.cols()) - 1;
+  for (const double node : object.numbers(
+           {key, "", "Instead of those of box or group: numbers of the nodes"}, -1, {0, last}))
+    nodes.push_back(static_cast<int>(node));
+  return nodes;
+}
+
 std::vector<Box> boxes_of_parts(const config::Node& object) {
   std::vector<Box> boxes;
   for (const std::string part : kParts)

@@ -28,6 +28,11 @@ std::vector<int> read_part(const config::Node& object, const std::string& name,
                            const mesh::MeshWithGroups& source, const mesh::ElementMesh& mesh,
                            std::vector<std::string>* remarks);
 
+/// Nodes of a grasp, from the key `<name>_nodes`, which a hand that closes anew has found; empty if
+/// the key is not there. Throws config::Error.
+std::vector<int> read_numbered_nodes(const config::Node& object, const std::string& name,
+                                     const mesh::ElementMesh& mesh);
+
 /// Sets the materials of the elements from the list `regions` of section `material`: parts of
 /// another stiffness, of which the last one counts where they overlap. Throws config::Error.
 void read_stiffness_regions(const config::Node& material, const mesh::MeshWithGroups& source,
