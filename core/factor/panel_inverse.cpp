@@ -10,11 +10,8 @@ namespace palpate::factor {
 namespace {
 
 using panel_kernel::kTile;
-using panel_kernel::Lanes;
 using panel_kernel::load;
 using panel_kernel::store;
-
-constexpr int kGroup = kInverseGroup;
 
 /// X for kTiles tiles of rows, whose columns from `end` on are zero: from the last group of columns
 /// to the first, each of which subtracts the product of the columns behind it with their rows of
@@ -22,30 +19,30 @@ constexpr int kGroup = kInverseGroup;
 template <int kTiles>
 void solve_tiles(const float* right, int columns, int end, float* x) {
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(columns) * kTile;
-  for (int g = (end - 1) / kGroup * kGroup; g >= 0; g -= kGroup) {
-    const int width = std::min(kGroup, end - g);
-    const float* factors = right + static_cast<std::ptrdiff_t>(g) * columns + g * kGroup;
+  for (int g = (end - 1) / kInverseGroup * kInverseGroup; g >= 0; g -= kInverseGroup) {
+    const int width = std::min(kInverseGroup, end - g);
+    const float* factors = right + static_cast<std::ptrdiff_t>(g) * columns + g * kInverseGroup;
     float* own = x + g * kTile;
-    Lanes sums[kTiles][kGroup], column;
+    panel_kernel::Lanes sums[kTiles][kInverseGroup], column;
     for (int t = 0; t < kTiles; ++t) {
-      for (int c = 0; c < kGroup; ++c) {
+      for (int c = 0; c < kInverseGroup; ++c) {
         if (c < width) {
           load(own + t * stride + c * kTile, sums[t][c]);
         } else {
-          sums[t][c] = Lanes{};
+          sums[t][c] = panel_kernel::Lanes{};
         }
       }
     }
-    for (int k = kGroup; k < end - g; ++k) {
-      const float* factor = factors + k * kGroup;
+    for (int k = kInverseGroup; k < end - g; ++k) {
+      const float* factor = factors + k * kInverseGroup;
       for (int t = 0; t < kTiles; ++t) {
         load(own + t * stride + k * kTile, column);
-        for (int c = 0; c < kGroup; ++c) sums[t][c] -= column * factor[c];
+        for (int c = 0; c < kInverseGroup; ++c) sums[t][c] -= column * factor[c];
       }
     }
-    for (int k = kGroup - 1; k > 0; --k) {
+    for (int k = kInverseGroup - 1; k > 0; --k) {
       for (int c = 0; c < k; ++c) {
-        for (int t = 0; t < kTiles; ++t) sums[t][c] -= sums[t][k] * factors[k * kGroup + c];
+        for (int t = 0; t < kTiles; ++t) sums[t][c] -= sums[t][k] * factors[k * kInverseGroup + c];
       }
     }
     for (int t = 0; t < kTiles; ++t) {
@@ -66,7 +63,7 @@ void load_below(const double* lower, int columns, int rows, int first, float* x)
   for (int c = 0; c < columns; ++c, lower += rows, x += kTile) {
     Doubles source;
     std::memcpy(&source, lower, sizeof source);
-    store(-__builtin_convertvector(source, Lanes), x);
+    store(-__builtin_convertvector(source, panel_kernel::Lanes), x);
   }
 }
 
@@ -74,12 +71,12 @@ void load_below(const double* lower, int columns, int rows, int first, float* x)
 
 void invert_panel(const double* lower, int columns, int rows, float* right, float* left) noexcept {
   // rows of L11 from each group of columns on, the columns of the group adjacent
-  for (int g = 0; g < columns; g += kGroup) {
-    float* target = right + static_cast<std::ptrdiff_t>(g) * columns + g * kGroup;
+  for (int g = 0; g < columns; g += kInverseGroup) {
+    float* target = right + static_cast<std::ptrdiff_t>(g) * columns + g * kInverseGroup;
     const double* source = lower + static_cast<std::ptrdiff_t>(g) * rows + g;
-    const int width = std::min(kGroup, columns - g);
-    for (int k = 0; k < std::max(kGroup, columns - g); ++k, target += kGroup) {
-      for (int c = 0; c < kGroup; ++c) {
+    const int width = std::min(kInverseGroup, columns - g);
+    for (int k = 0; k < std::max(kInverseGroup, columns - g); ++k, target += kInverseGroup) {
+      for (int c = 0; c < kInverseGroup; ++c) {
         const bool is_inside = c < width && k < columns - g;
         target[c] = is_inside ? static_cast<float>(source[c * rows + k]) : 0;
       }

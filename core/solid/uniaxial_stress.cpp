@@ -40,7 +40,7 @@ void respond_at_constant_volume(const StrainEnergy& material, const VectorXd& co
 bool find_lateral(const StrainEnergy& material, const VectorXd& constants, double x, double& y,
                   PrincipalStress& s) {
   constexpr int kSteps = 60;
-  constexpr double kLongest = 0.3, kTolerance = 1e-13;
+  constexpr double kLongest = 0.3, kStretchTolerance = 1e-13;
   for (int step = 0; step < kSteps; ++step) {
     material.evaluate({x, y, y}, constants, s);
     const double slope = s.tangent(1, 1) + s.tangent(1, 2);
@@ -48,7 +48,7 @@ bool find_lateral(const StrainEnergy& material, const VectorXd& constants, doubl
     double change = -s.stress[1] / slope;
     if (std::abs(change) > kLongest) change = std::copysign(kLongest, change);
     y += change;
-    if (std::abs(change) < kTolerance * (1 + std::abs(y))) {
+    if (std::abs(change) < kStretchTolerance * (1 + std::abs(y))) {
       material.evaluate({x, y, y}, constants, s);
       return true;
     }

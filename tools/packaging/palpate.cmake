@@ -71,7 +71,7 @@ if(PALPATE_PCH)
   endif()
   set(headers <Eigen/Dense> <Eigen/Geometry> <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <filesystem>
     <fstream> <functional> <map> <memory> <optional> <sstream> <stdexcept> <string> <vector>)
-  file(WRITE ${CMAKE_BINARY_DIR}/pch/empty.cpp "")
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/pch/empty.cpp CONTENT "")  # keeps an equal file
   foreach(way LOOP OFFLINE)
     foreach(kind "" ${kinds})
       set(target palpate_pch_${way}${kind})

@@ -237,5 +237,84 @@ TEST(ClampPads, NeedAClampAndPositiveStiffness) {
   EXPECT_THROW(HyperelasticPlant{options}, std::invalid_argument);
 }
 
+/// A free block whose hand can open; it holds the end at x = 0.
+PlantOptions block_with_jaws() {
+  PlantOptions options = small_free_block();
+  options.elements = {10, 1, 1};
+  options.mass_damping = 20;
+  GraspOptions grasp = hold({{0, 0, 0}, {0.03, 0.06, 0.05}});
+  grasp.damping = 5;
+  grasp.jaws = Box{{-0.001, -0.001, -0.001}, {0.031, 0.061, 0.051}};
+  options.grasps = {grasp};
+  return options;
+}
+
+void move(HyperelasticPlant& plant, const Eigen::Vector3d& to, int milliseconds) {
+  const Eigen::Vector3d from = plant.grasp().hand().X_OG().translation();
+  for (int i = 1; i <= milliseconds; ++i) {
+    const Eigen::Vector3d p = from + (to - from) * i / milliseconds;
+    plant.step(1e-3, math::make_pose(Eigen::Matrix3d::Identity(), p), math::Twist());
+  }
+}
+
+TEST(CompliantGrasp, AnOpenHandLeavesTheObjectWhereItIs) {
+  HyperelasticPlant plant(block_with_jaws());
+  EXPECT_TRUE(plant.grasped());
+  plant.open_hand(0);
+  EXPECT_FALSE(plant.grasped());
+  move(plant, {0.02, 0, 0}, 100);
+  EXPECT_TRUE(plant.positions().isApprox(plant.rest_positions(), 1e-12));
+  EXPECT_EQ(plant.hand_wrench().force.norm(), 0);
+  EXPECT_EQ(plant.slipping_share(0), 0);
+}
+
+TEST(CompliantGrasp, AHandThatClosesHoldsWhatIsBetweenItsJaws) {
+  HyperelasticPlant plant(block_with_jaws());
+  std::vector<int> before;
+  for (const auto& pad : plant.grasp().pads()) before.push_back(pad.node);
+  plant.open_hand(0);
+  move(plant, {0.03, 0, 0}, 100);
+  plant.close_hand(0);
+  ASSERT_TRUE(plant.grasped());
+  double stiffness = 0;
+  for (const auto& pad : plant.grasp().pads()) {
+    const double x = plant.rest_positions()(0, pad.node);
+    EXPECT_GE(x, 0.03 - 1e-3 - 1e-9);
+    EXPECT_LE(x, 0.061 + 1e-9);
+    stiffness += pad.stiffness;
+  }
+  const double all = block_with_jaws().grasps[0].stiffness;
+  EXPECT_NEAR(stiffness, all, 1e-9 * all);
+  plant.step(1e-3);
+  EXPECT_LT(plant.hand_wrench().force.norm(), 1e-9) << "without spring force";
+  move(plant, {0.03, 0, 0.02}, 1000);
+  move(plant, {0.03, 0, 0.02}, 1000);
+  const Eigen::Vector3d moved = (plant.positions() - plant.rest_positions()).rowwise().mean();
+  EXPECT_LT((moved - Eigen::Vector3d(0, 0, 0.02)).norm(), 1e-4) << "it carries the block";
+
+  plant.open_hand(0);
+  move(plant, {0, 0, 0.02}, 100);
+  plant.close_hand(0);
+  std::vector<int> after;
+  for (const auto& pad : plant.grasp().pads()) after.push_back(pad.node);
+  EXPECT_EQ(after, before) << "the same place";
+}
+
+TEST(CompliantGrasp, AHandThatClosesOnNothingRemainsOpen) {
+  HyperelasticPlant plant(block_with_jaws());
+  plant.open_hand(0);
+  move(plant, {0, 0, 1}, 10);
+  plant.close_hand(0);
+  EXPECT_FALSE(plant.grasped());
+}
+
+TEST(CompliantGrasp, WithoutJawsItNeverOpens) {
+  PlantOptions options = block_with_jaws();
+  options.grasps[0].jaws.reset();
+  HyperelasticPlant plant(options);
+  plant.open_hand(0);
+  EXPECT_TRUE(plant.grasped());
+}
+
 }  // namespace
 }  // namespace palpate::object
