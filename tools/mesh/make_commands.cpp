@@ -39,7 +39,7 @@ struct MakeOptions {
   MeshingOptions meshing{0};
 };
 
-constexpr double kMostNodes = 5e6;
+constexpr double kMostMeshNodes = 5e6;
 
 /// The number of edges closest to the requested length, at least one.
 int count_of(double length, double edge) {
@@ -47,7 +47,7 @@ int count_of(double length, double edge) {
 }
 
 void check_count(double nodes) {
-  if (nodes > kMostNodes) {
+  if (nodes > kMostMeshNodes) {
     throw std::runtime_error(
         "--edge: the mesh would have more than 5 million nodes; use longer "
         "edges");

@@ -23,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kGravity = 9.81;      // m/s^2
-constexpr double kResidualBar = 0.02;  // of the payload's weight
-constexpr double kTrackingBar = 0.05;  // of the peak of the true force
-constexpr double kSettled = 2;         // s, by when every model has tared
-constexpr double kPatience = 1800;     // s, for a program
+constexpr double kStandardGravity = 9.81;  // m/s^2
+constexpr double kResidualBar = 0.02;      // of the payload's weight
+constexpr double kTrackingBar = 0.05;      // of the peak of the true force
+constexpr double kSettled = 2;             // s, by when every model has tared
+constexpr double kPatience = 1800;         // s, for a program
 constexpr const char* kMotions[] = {"manual", "rotation_y", "rotation_z", "collision"};
 constexpr const char* kModels[] = {"newton_euler", "newton_euler_smooth", "ft_rnnob", "thesis"};
 constexpr double kSmooth = 16;  // Hz; the same delay as the mean over 20 ms of ft_rnnob
@@ -80,7 +80,7 @@ class Experiment {
   }
 
  private:
-  double weight() const { return kGravity * payload_.mass; }
+  double weight() const { return kStandardGravity * payload_.mass; }
   fs::path scene(const std::string& motion) const {
     return options_.root / "sim/scenes" / ("payload_" + motion + ".yaml");
   }

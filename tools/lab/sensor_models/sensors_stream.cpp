@@ -17,7 +17,7 @@ namespace palpate::sensor_models {
 namespace {
 
 constexpr double kPatience = 10;  // s
-const Eigen::Vector3d kGravity(0, 0, -9.81);
+const Eigen::Vector3d kGravityInW(0, 0, -9.81);
 
 // Indices in the rows of train::wrist_columns().
 constexpr int kQuaternion = 0, kVelocity = 4, kRate = 7, kAcceleration = 10, kForce = 13;
@@ -172,7 +172,7 @@ Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& execut
   registry::Context context;
   context.deterministic = true;
   context.period = 1 / loop_rate;
-  context.frames.gravity_W = kGravity;
+  context.frames.gravity_W = kGravityInW;
   const auto component = registry::make_ft_rnnob(section("ft_rnnob", model, executor, ""), context);
   sensing::Signals signals;
   sensing::ContactSet contacts;
@@ -188,7 +188,7 @@ Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& execut
     inertial.angular_velocity_I = row.segment<3>(kRate).transpose();
     inertial.acceleration_I = row.segment<3>(kAcceleration).transpose();
     if (!track.acceleration_has_gravity)
-      inertial.acceleration_I -= orientation(felt, tick).transpose() * kGravity;
+      inertial.acceleration_I -= orientation(felt, tick).transpose() * kGravityInW;
     feed(signals.inertial, inertial);
     sensing::ForceTorque wrench;
     wrench.F_S = {row.segment<3>(kForce).transpose(), row.segment<3>(kForce + 3).transpose()};

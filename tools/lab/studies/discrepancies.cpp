@@ -31,7 +31,7 @@ using Json = nlohmann::json;
 constexpr const char* kPlan = "tools/lab/studies/discrepancies.yaml";
 constexpr const char* kReport = "tools/lab/report/report_discrepancies";
 constexpr double kWorldPatience = 1500;  // s, of a replay, and of a simulation besides its duration
-constexpr double kSlowness = 30;         // times real time, at most
+constexpr double kWorldSlowness = 30;    // times real time, at most
 // A long world is read at fewer instants, for the sake of memory.
 constexpr double kLong = 120, kPeriod = 0.1;  // s
 constexpr double kEstimatePeriod = 0.01;      // s
@@ -39,7 +39,7 @@ constexpr double kEstimatePeriod = 0.01;      // s
 bool is_long(const DiscrepancyWorld& world) { return world.duration > kLong; }
 
 double patience_of(const DiscrepancyWorld& world) {
-  return kWorldPatience + kSlowness * std::max(0.0, world.duration - kLong);
+  return kWorldPatience + kWorldSlowness * std::max(0.0, world.duration - kLong);
 }
 
 SensingScene scene_of(const DiscrepancyWorld& world) {
