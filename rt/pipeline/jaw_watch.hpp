@@ -9,7 +9,7 @@
 
 namespace palpate::pipeline {
 
-/// Hands that open and close on the object anew. What a closed hand holds is not known before its
+/// Hands that open and close on the object again. What a closed hand holds is not known before its
 /// grasp has been found, outside the loop; until then it counts as open. Hands without jaws hold
 /// the grasp of the configuration. Nothing allocates.
 class JawWatch {
