@@ -4,7 +4,6 @@
 #include <sstream>
 #include <vector>
 
-#include "rt/config/node.hpp"
 
 namespace palpate::pipeline {
 namespace {
