@@ -4,7 +4,6 @@
 #include <sstream>
 #include <vector>
 
-
 namespace palpate::pipeline {
 namespace {
 

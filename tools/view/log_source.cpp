@@ -134,15 +134,16 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
 }
 
 void LogSource::finish_series() {
-  const char* const kNames[][2] = {{"feature error", ""}, {"cycle", "us"},   {"wake-up", "us"},
-                                   {"wrench test", ""},   {"threshold", ""}, {"contradiction", ""}};
+  const char* const kSeriesNames[][2] = {{"feature error", ""}, {"cycle", "us"},
+                                         {"wake-up", "us"},     {"wrench test", ""},
+                                         {"threshold", ""},     {"contradiction", ""}};
   const auto seconds = [this](std::int64_t time_us) {
     return static_cast<double>(time_us - begin_us_) * 1e-6;
   };
   for (std::size_t i = 0; i < noted_.size(); ++i) {
     std::stable_sort(noted_[i].begin(), noted_[i].end(),
                      [](const Noted& a, const Noted& b) { return a.time_us < b.time_us; });
-    Series series{kNames[i][0], kNames[i][1], {}, {}};
+    Series series{kSeriesNames[i][0], kSeriesNames[i][1], {}, {}};
     for (const Noted& noted : noted_[i]) {
       series.time_s.push_back(static_cast<float>(seconds(noted.time_us)));
       series.value.push_back(noted.value);

@@ -33,7 +33,7 @@ common::Process start_palpated(const config::Node& configuration, const runs::Ur
 }
 
 PalpatedRun run_palpated(const Bench& bench, const Scenario& scenario) {
-  constexpr double kPatience = 20;  // s, until it publishes its first message
+  constexpr double kRunPatience = 20;  // s, until it publishes its first message
   const common::TemporaryFolder folder("palpate-faults");
   const runs::Urls urls = runs::private_urls();
   const std::vector<std::string> overrides =
@@ -41,7 +41,8 @@ PalpatedRun run_palpated(const Bench& bench, const Scenario& scenario) {
   const config::Node root = configuration(overrides);
   FaultWire wire(urls);
   common::Process daemon = start_palpated(root, urls, folder.path());
-  for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
+  for (double waited = 0; !wire.heard() && daemon.running() && waited < kRunPatience;
+       waited += 0.01)
     common::sleep_for(0.01);
 
   wire.play(bench.recording, scenario, [&](int tick) {

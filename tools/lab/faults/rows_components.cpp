@@ -25,10 +25,10 @@ RunResult run_error(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "error");
   const int begin = 250 + static_cast<int>(random.below(100));
   const int length = 1 + static_cast<int>(random.below(50));
-  constexpr int kReset = 600, kStart = 610, kTicks = 900;
+  constexpr int kReset = 600, kStart = 610, kRowTicks = 900;
   Replay replay(bench.recording);
   FaultySensor& sensor = put_faulty_sensor(replay);
-  const Trace trace = replay.run(bench.recording.stream, kTicks, [&](int tick, daemon::Now&) {
+  const Trace trace = replay.run(bench.recording.stream, kRowTicks, [&](int tick, daemon::Now&) {
     const bool wrong = tick >= begin && tick < begin + length;
     sensor.trouble = wrong ? FaultySensor::Trouble::kError : FaultySensor::Trouble::kNone;
     if (tick == kReset) replay.user().send({"reset"}, 0);

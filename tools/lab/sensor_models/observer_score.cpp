@@ -12,7 +12,7 @@
 namespace palpate::sensor_models {
 namespace {
 
-constexpr int kWrist = 0;          // of contacts_t::source
+constexpr int kWristSource = 0;    // of contacts_t::source
 constexpr double kMostLag = 0.2;   // s, looked for
 constexpr double kLagStep = 1e-3;  // s
 
@@ -57,7 +57,7 @@ ForceSeries read_wrist_contacts(const std::filesystem::path& log, double begin) 
   series.torque.resizeLike(series.force);
   for (const contacts_t& message : messages) {
     const double time = 1e-6 * static_cast<double>(message.utime);
-    if (time < begin || message.count < 1 || message.source[0] != kWrist) continue;
+    if (time < begin || message.count < 1 || message.source[0] != kWristSource) continue;
     const auto k = static_cast<Eigen::Index>(series.time.size());
     series.time.push_back(time);
     series.force.col(k) = Eigen::Map<const Eigen::Vector3d>(message.wrench[0]);

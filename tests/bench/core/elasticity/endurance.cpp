@@ -143,9 +143,9 @@ class Segment {
 
   void settle() {
     const BaselineSystem points(body_);
-    constexpr long kMost = 20000, kStay = 200;
+    constexpr long kMost = 20000, kStaySteps = 200;
     long restless = 0;
-    for (long k = 1; k <= kMost && k < restless + kStay; ++k) {
+    for (long k = 1; k <= kMost && k < restless + kStaySteps; ++k) {
       step(false);
       tally_.rest_error = (model_->positions() - body_.mesh.nodes).colwise().norm().maxCoeff();
       if (!(tally_.rest_error <= kRest)) restless = k;

@@ -31,7 +31,7 @@ Matrix3Xd wrecked(const elasticity::Body& body, Start start, std::uint64_t seed)
 }  // namespace
 
 RecoveryResult run_recovery(const RecoveryOptions& options) {
-  constexpr double kDt = 1e-3;
+  constexpr double kStepTime = 1e-3;
   RecoveryResult result;
   const Scenario scenario(options.mesh, Motion::kStep, options.young_modulus);
   elasticity::Body body = scenario.body();
@@ -43,12 +43,12 @@ RecoveryResult run_recovery(const RecoveryOptions& options) {
   model->restore(wrecked(body, options.start, options.seed),
                  Matrix3Xd::Zero(3, body.mesh.nodes.cols()));
 
-  const auto limit = static_cast<long>(options.seconds / kDt);
+  const auto limit = static_cast<long>(options.seconds / kStepTime);
   long tangled = 0, restless = 0;  // last such step
   for (long k = 1; k <= limit && k < restless + kStay; ++k) {
     const double cpu = thread_time();
     service.collect(*model, k);
-    const elasticity::StepReport report = model->step(kDt);
+    const elasticity::StepReport report = model->step(kStepTime);
     service.request(*model, k);
     result.slowest_step = std::max(result.slowest_step, thread_time() - cpu);
     service.run_here();
@@ -67,8 +67,8 @@ RecoveryResult run_recovery(const RecoveryOptions& options) {
   result.total = wall_time() - begin;
   result.refactorisations = service.count();
   if (!result.is_finite) return result;
-  if (result.inverted == 0) result.untangled_at = kDt * static_cast<double>(tangled);
-  if (result.error <= kRest) result.at_rest = kDt * static_cast<double>(restless);
+  if (result.inverted == 0) result.untangled_at = kStepTime * static_cast<double>(tangled);
+  if (result.error <= kRest) result.at_rest = kStepTime * static_cast<double>(restless);
   result.is_recovered = result.inverted == 0 && result.error <= kRest;
   return result;
 }

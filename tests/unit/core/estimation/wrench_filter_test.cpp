@@ -60,7 +60,7 @@ TEST(WrenchFilter, IsConsistentWithAWorldOfItsOwn) {
 /// The same with shape observations, and a random walk of virtual loads.
 TEST(WrenchFilter, IsConsistentWhileTheShapeIsSeen) {
   constexpr int kSeeds = 200, kSteps = 50, kPoints = 5;
-  constexpr double kNoise = 0.02, kPeriod = 0.03;
+  constexpr double kWrenchNoise = 0.02, kSamplePeriod = 0.03;
   const WrenchFilter::Options options;
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
@@ -73,10 +73,10 @@ TEST(WrenchFilter, IsConsistentWhileTheShapeIsSeen) {
     const WrenchFilter::Covariance prior = filter.covariance();
     WrenchFilter::Vector truth = drawn(prior, random);
     for (int step = 0; step < kSteps; ++step) {
-      const double kept = std::exp(-kPeriod / options.memory);
-      filter.predict(kPeriod);
+      const double kept = std::exp(-kSamplePeriod / options.memory);
+      filter.predict(kSamplePeriod);
       truth = kept * truth + std::sqrt(1 - kept * kept) * drawn(prior, random);
-      truth.segment<6>(filter.load()) += std::sqrt(2 * kPeriod / options.load_memory) *
+      truth.segment<6>(filter.load()) += std::sqrt(2 * kSamplePeriod / options.load_memory) *
                                          drawn(prior, random).segment<6>(filter.load());
       const int n = filter.shape_size();
       WrenchFilter::ShapeMatrix matrix = WrenchFilter::ShapeMatrix::Zero(n, n);
@@ -84,9 +84,9 @@ TEST(WrenchFilter, IsConsistentWhileTheShapeIsSeen) {
       for (int point = 0; point < kPoints; ++point) {
         WrenchFilter::ShapeState h(n);
         for (int j = 0; j < n; ++j) h[j] = normal(random) * (j < 6 ? 100 : 1);
-        const double z = h.dot(truth.head(n)) + kNoise * normal(random);
-        matrix += h * h.transpose() / (kNoise * kNoise);
-        vector += h * z / (kNoise * kNoise);
+        const double z = h.dot(truth.head(n)) + kWrenchNoise * normal(random);
+        matrix += h * h.transpose() / (kWrenchNoise * kWrenchNoise);
+        vector += h * z / (kWrenchNoise * kWrenchNoise);
       }
       ASSERT_TRUE(filter.take(matrix, vector));
     }

@@ -63,27 +63,27 @@ TEST(Obstacle, PlaneBearsTheWeightOfABlockThatLiesOnIt) {
 }
 
 TEST(Obstacle, FrictionHoldsUpToItsLimitAndThenTheBlockSlides) {
-  constexpr double kFriction = 0.5;
+  constexpr double kObstacleFriction = 0.5;
   for (const double slope : {0.4, 0.7}) {
-    PlantOptions options = block_on_table(kFriction);
+    PlantOptions options = block_on_table(kObstacleFriction);
     const double angle = std::atan(slope);
     options.gravity_O = kEarth * Vector3d(std::sin(angle), 0, -std::cos(angle));
-    options.mass_damping = slope < kFriction ? 5 : 0;
+    options.mass_damping = slope < kObstacleFriction ? 5 : 0;
     HyperelasticPlant plant(options);
-    if (slope < kFriction) {
+    if (slope < kObstacleFriction) {
       EXPECT_TRUE(plant.settle(20, 1e-5).converged);
     }
     const Eigen::Matrix3Xd start = plant.positions();
     for (int i = 0; i < 500; ++i) plant.step(1e-3);
     const double speed = velocity_of_centre(plant).x();
     const double normal = kEarth * std::cos(angle);
-    if (slope < kFriction) {
+    if (slope < kObstacleFriction) {
       EXPECT_LT(std::abs(speed), 1e-4);
       EXPECT_LT((plant.positions() - start).cwiseAbs().maxCoeff(), 1e-5);
       const Vector3d force = plant.obstacle(0).mean_wrench().force;
       EXPECT_NEAR(-force.x() / force.z(), slope, 0.02);
     } else {
-      EXPECT_NEAR(speed, 0.5 * (slope - kFriction) * normal, 0.01 * 0.5 * slope * normal);
+      EXPECT_NEAR(speed, 0.5 * (slope - kObstacleFriction) * normal, 0.01 * 0.5 * slope * normal);
       EXPECT_NEAR(plant.obstacle(0).touch().slipping, plant.obstacle(0).touch().area, 1e-9);
     }
   }
