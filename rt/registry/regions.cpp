@@ -128,10 +128,15 @@ std::vector<int> read_numbered_nodes(const config::Node& object, const std::stri
   const std::string key = name + "_nodes";
   std::vector<int> nodes;
   if (!object.has(key)) return nodes;
-  const double last = static_cast<double>(mesh.nodes.cols()) - 1;
+  const auto count = static_cast<int>(mesh.nodes.cols());
   for (const double node : object.numbers(
-           {key, "", "Instead of those of box or group: numbers of the nodes"}, -1, {0, last}))
+           {key, "", "Instead of those of box or group: numbers of the nodes, from 0 on"}, -1,
+           {0, 1e6})) {
+    if (node >= count)
+      object.fail(key, "has node " + std::to_string(static_cast<int>(node)) + "; allowed: 0 to " +
+                           std::to_string(count - 1));
     nodes.push_back(static_cast<int>(node));
+  }
   return nodes;
 }
 

@@ -23,8 +23,8 @@ std::vector<ConfiguredObstacle> read_all(const std::string& text,
   return obstacles;
 }
 
-std::vector<collision::Obstacle> read(const std::string& list,
-                                      const math::Pose& X_WO = math::Pose::Identity()) {
+std::vector<collision::Obstacle> read_obstacles_of(
+    const std::string& list, const math::Pose& X_WO = math::Pose::Identity()) {
   std::vector<collision::Obstacle> bodies;
   for (const ConfiguredObstacle& obstacle : read_all("obstacles:\n" + list, X_WO))
     bodies.push_back(obstacle.limited.body);
@@ -35,7 +35,7 @@ const char* const kArm = "robot: {urdf: " PALPATE_SOURCE_DIR "/sim/robot/lwr_han
 
 TEST(Obstacles, EachShapeIsReadAndPlacedInO) {
   const math::Pose X_WO = math::make_pose(math::exp_rotation({0, 0, M_PI}), {1.36, 0.03, 0.28});
-  const auto obstacles = read(
+  const auto obstacles = read_obstacles_of(
       "  - {name: table, shape: half_space, pose: {position: [0, 0, 0.255]}, friction: 0.7}\n"
       "  - {name: rod, shape: cylinder, radius: 0.03, length: 0.2,\n"
       "     pose: {position: [1.12, 0, 0.235], rpy_deg: [90, 0, 0]}}\n"
@@ -62,14 +62,15 @@ TEST(Obstacles, ASurfaceFileBecomesAGridOfDistances) {
   const std::string file = ::testing::TempDir() + "obstacle.obj";
   std::ofstream(file) << "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
                          "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-  const auto obstacles = read("  - {name: wedge, shape: mesh, cell: 0.004, file: " + file + "}\n");
+  const auto obstacles =
+      read_obstacles_of("  - {name: wedge, shape: mesh, cell: 0.004, file: " + file + "}\n");
   EXPECT_NEAR(collision::distance(obstacles[0], {0.03, 0.03, -0.005}), 0.005, 1e-6);
   EXPECT_LT(collision::distance(obstacles[0], {0.02, 0.02, 0.02}), 0);
 }
 
 void expect_error(const std::string& list, const std::string& part) {
   try {
-    read(list);
+    read_obstacles_of(list);
     ADD_FAILURE() << "accepted: " << list;
   } catch (const config::Error& error) {
     EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-Scene read(const std::vector<std::string>& overrides) {
+Scene read_scene_with(const std::vector<std::string>& overrides) {
   return read_scene(config::Node::load_file(kControl, overrides));
 }
 
@@ -17,7 +17,7 @@ Scene read(const std::vector<std::string>& overrides) {
 void expect_refusal(const std::vector<std::string>& overrides,
                     const std::vector<std::string>& words) {
   try {
-    read(overrides);
+    read_scene_with(overrides);
     FAIL() << overrides.back();
   } catch (const config::Error& error) {
     for (const std::string& word : words)
@@ -27,7 +27,7 @@ void expect_refusal(const std::vector<std::string>& overrides,
 }
 
 TEST(Obstacles, AreReadWithTheirDefaults) {
-  const Scene s = read(
+  const Scene s = read_scene_with(
       {"obstacles=[{plane: {point: [0, 0, -0.1], normal: [0, 0, 2]}}, {cylinder: {point: [0.2, 0, "
        "-0.1], axis: [0, 1, 0], radius: 0.02, length: 0.3}, friction: 0.2, stiffness: 2e7, "
        "damping: "
@@ -45,7 +45,7 @@ TEST(Obstacles, AreReadWithTheirDefaults) {
   EXPECT_EQ(rod.stiffness, 2e7);
   EXPECT_EQ(rod.damping, 3);
   EXPECT_TRUE(std::isinf(std::get<object::Cylinder>(s.plant.obstacles[2].shape).length));
-  EXPECT_TRUE(read({}).plant.obstacles.empty());
+  EXPECT_TRUE(read_scene_with({}).plant.obstacles.empty());
 }
 
 TEST(Obstacles, WrongOnesAreRefusedWithKeyValueAndRange) {
