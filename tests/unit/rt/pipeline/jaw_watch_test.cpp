@@ -92,7 +92,7 @@ TEST(JawWatch, AHandWithoutJawsIsNotWatched) {
   inputs.grasps[0].pose_freshness = Freshness::kNew;
   EXPECT_TRUE(watch.update(inputs).is_ok());
   inputs.grasps[0].holding = true;
-  watch.update(inputs);
+  EXPECT_TRUE(watch.update(inputs).is_ok());
   EXPECT_TRUE(inputs.grasps[0].holding);
   EXPECT_FALSE(watch.wanted());
 }
