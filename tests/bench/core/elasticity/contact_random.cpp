@@ -25,15 +25,16 @@ constexpr double kFine = 2e-3;   // of the thickness: accepted depth of a point
 constexpr double kThrough = 0.25;
 
 /// Results of all segments of a model at a modulus.
-struct Tally {
+struct RandomTally {
   long steps = 0, touching = 0, not_finite = 0, failed = 0, allocations = 0, deep = 0, through = 0;
   long overruns = 0;
   double slowest = 0, deepest = 0;  // s, m
 
-  void add(const Tally& other) {
-    for (long Tally::*count :
-         {&Tally::steps, &Tally::touching, &Tally::not_finite, &Tally::failed, &Tally::allocations,
-          &Tally::deep, &Tally::through, &Tally::overruns}) {
+  void add(const RandomTally& other) {
+    for (long RandomTally::*count :
+         {&RandomTally::steps, &RandomTally::touching, &RandomTally::not_finite,
+          &RandomTally::failed, &RandomTally::allocations, &RandomTally::deep,
+          &RandomTally::through, &RandomTally::overruns}) {
       this->*count += other.*count;
     }
     slowest = std::max(slowest, other.slowest);
@@ -132,7 +133,7 @@ class RandomHand {
   double speed_ = 0.01;  // m/s
 };
 
-Tally run_segment(const Kind& kind, const RandomContactOptions& options, long index) {
+RandomTally run_segment(const Kind& kind, const RandomContactOptions& options, long index) {
   math::Random random(options.seed, "segment " + std::to_string(index));
   const std::array<int, 3> cells = kind.order == mesh::ElementOrder::kQuadratic
                                        ? std::array<int, 3>{8, 1, 1}
@@ -164,7 +165,7 @@ Tally run_segment(const Kind& kind, const RandomContactOptions& options, long in
   RandomHand hand(body.grasps[0].X_OG_rest, random);
   elasticity::Refactorisation* job = nullptr;
   long due = 0;
-  Tally tally;
+  RandomTally tally;
   for (long step = 0; step < options.segment_steps; ++step) {
     model->hold(0, hand.next());
     const double begin = thread_time();
@@ -203,11 +204,12 @@ Tally run_segment(const Kind& kind, const RandomContactOptions& options, long in
   return tally;
 }
 
-void print(const std::vector<Kind>& all, const std::vector<Tally>& tallies, std::ostream& out) {
+void print(const std::vector<Kind>& all, const std::vector<RandomTally>& tallies,
+           std::ostream& out) {
   common::Table table({"model", "E Pa", "steps", "touching", "nan", "failed", "allocs",
                        "over 0.2 %", "through", "deepest mm", "overrun", "max ms"});
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Tally& t = tallies[i];
+    const RandomTally& t = tallies[i];
     if (t.steps == 0) continue;
     char e[16];
     std::snprintf(e, sizeof e, "%.0e", all[i].young_modulus);
@@ -224,8 +226,8 @@ void print(const std::vector<Kind>& all, const std::vector<Tally>& tallies, std:
 
 bool run_random_contact(const RandomContactOptions& options, std::ostream& out) {
   const std::vector<Kind> all = kinds();
-  std::vector<Tally> tallies(all.size());
-  Tally total;
+  std::vector<RandomTally> tallies(all.size());
+  RandomTally total;
   const long length = std::min(options.segment_steps, options.steps);
   RandomContactOptions segment = options;
   segment.segment_steps = std::max(1L, length);
@@ -233,7 +235,7 @@ bool run_random_contact(const RandomContactOptions& options, std::ostream& out) 
   for (long s = 0; s * segment.segment_steps < options.steps; ++s) {
     const long index = options.first_segment + s;
     const auto which = static_cast<std::size_t>(index % static_cast<long>(all.size()));
-    const Tally tally = run_segment(all[which], segment, index);
+    const RandomTally tally = run_segment(all[which], segment, index);
     if (!tally.is_good()) {
       out << "segment " << index << ", " << all[which].name() << ": " << tally.not_finite
           << " steps not finite, " << tally.allocations << " allocations, " << tally.through
