@@ -94,7 +94,10 @@ class Copy:
     def batches(self, target, folder):
         """Copies of the sources that BUILD compiles several at a time, in which those of the copy stand instead."""
         made = []
+        built = {entry["file"] for entry in self.database}  # besides what a former configuration has left
         for batch in sorted((BUILD / folder / f"CMakeFiles/{target}.dir/Unity").glob("*.cxx")):
+            if str(batch) not in built:
+                continue
             lines = [line for line in batch.read_text(encoding="utf-8").splitlines() if f'"{ROOT / folder}/' in line]
             made.append(self.root / f"{target}_{batch.stem}.cpp")
             made[-1].write_text("\n".join(lines).replace(f'"{ROOT}/', f'"{self.root}/') + "\n", encoding="utf-8")
