@@ -28,8 +28,8 @@ std::vector<int> read_part(const config::Node& object, const std::string& name,
                            const mesh::MeshWithGroups& source, const mesh::ElementMesh& mesh,
                            std::vector<std::string>* remarks);
 
-/// Nodes of a grasp, from the key `<name>_nodes`, which a hand that closes again has found; empty if
-/// the key is not there. Throws config::Error.
+/// Nodes of a grasp, from the key `<name>_nodes`, which a hand that closes again has found; empty
+/// if the key is not there. Throws config::Error.
 std::vector<int> read_numbered_nodes(const config::Node& object, const std::string& name,
                                      const mesh::ElementMesh& mesh);
 
