@@ -6,8 +6,8 @@
 #include <new>
 #include <numeric>
 
-#include "core/factor/panel_inverse.hpp"
 #include "core/factor/panel_kernel.hpp"
+#include "core/math/pack.hpp"
 
 namespace palpate::factor {
 namespace {
@@ -61,6 +61,7 @@ using panel_kernel::kTile;
 using panel_kernel::padded;
 using panel_kernel::tiles_of;
 constexpr std::align_val_t kAlignment{64};
+static_assert(kTile == kTileRows);
 
 /// Replaces the eigenvalues of a symmetric matrix by their absolute values, limited to the largest
 /// positive one: releasing a grasp leaves a stressed, unstable object, and corrections must be
@@ -143,12 +144,14 @@ SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision,
   }
   const int border_size = size_of_b_ - interior_;
   int rows = border_size, columns = 0;
-  std::size_t entries = 0;
+  std::size_t entries = static_cast<std::size_t>(border_size) * border_size, square = 0;
   for (const Panel& panel : panels_) {
     rows = std::max(rows, panel.rows.back());
     columns = std::max(columns, panel.columns);
     entries =
         std::max(entries, static_cast<std::size_t>(padded(panel.rows.back())) * panel.columns);
+    square =
+        std::max(square, static_cast<std::size_t>(panel.columns) * (panel.columns + kTileColumns));
   }
   rows_.resize(padded(rows));
   for (Desk& desk : desks_) {
@@ -156,10 +159,9 @@ SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision,
     desk.sums.resize((columns + kTile) * kTile);
     if (desks_.size() > 1) desk.vector.resize(size_of_b_);
   }
-  scales_.resize(padded(rows));
+  dense_.resize(entries);
   left_.resize(entries);
-  right_.resize(inverse_workspace(columns));
-  dense_.resize(static_cast<std::size_t>(border_size) * border_size);
+  right_.resize(square);
 }
 
 void SolvePanels::lay_out(const Supernodes& nodes) {
@@ -230,35 +232,83 @@ bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
   return any;
 }
 
-/// Computes a panel, without D, into left_, and the scales of its rows.
+/// Computes a panel in double precision, without D, into left_: tile by tile of kTileRows rows,
+/// column by column. Tiles above the diagonal are not written. The row scales go to dense_.
 void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept {
   const int columns = panel.columns, rows = panel.rows.back();
-  invert_panel(factor.panel(s), columns, rows, right_.data(), left_.data());
-  float* scale = scales_.data();
-  for (int k = 0; k < columns; ++k) {
-    *scale++ = static_cast<float>(1 / std::sqrt(factor.d()[panel.first + k]));
+  const double* lower = factor.panel(s);
+  const auto l = [&](int row, int column) {
+    return lower[static_cast<std::ptrdiff_t>(column) * rows + row];
+  };
+  // X = [inv(L11); -L21 inv(L11)] solves X L11 = [1; -L21]: from the last columns to the first, in
+  // groups of four; each group subtracts the product of the columns behind it with their rows of
+  // L11.
+  for (int g = 0; g + kTileColumns < columns; g += kTileColumns) {
+    double* target = &right_[g * columns];
+    for (int k = g + kTileColumns; k < columns; ++k) {
+      for (int c = 0; c < kTileColumns; ++c) target[k * kTileColumns + c] = l(k, g + c);
+    }
   }
+  for (int first = 0; first < rows; first += kTileRows) {
+    const int end = std::min(columns, first + kTileRows);  // the remainder is zero
+    double* x = &left_[static_cast<std::ptrdiff_t>(first) * columns];
+    const bool is_below = first >= columns && first + kTileRows <= rows;
+    for (int c = 0; c < end; ++c) {
+      double* target = x + c * kTileRows;
+      const double* source = lower + static_cast<std::ptrdiff_t>(c) * rows + first;
+      for (int r = 0; r < kTileRows; ++r) {
+        if (is_below) {
+          target[r] = -source[r];
+        } else {
+          const int row = first + r;
+          target[r] = row >= rows ? 0 : row >= columns ? -source[r] : row == c ? 1 : 0;
+        }
+      }
+    }
+    for (int g = (end - 1) / kTileColumns * kTileColumns; g >= 0; g -= kTileColumns) {
+      const int width = std::min(kTileColumns, columns - g), behind = g + width;
+      double* own = x + g * kTileRows;
+      subtract_product(x + behind * kTileRows, &right_[g * columns + behind * kTileColumns],
+                       end - behind, kTileRows, width, own, kTileRows);
+      for (int k = width - 1; k > 0; --k) {
+        const double* known = own + k * kTileRows;
+        const math::Pack4d low = math::load(known), high = math::load(known + 4);
+        for (int c = 0; c < k; ++c) {
+          double* target = own + c * kTileRows;
+          math::store(math::load(target) - l(g + k, g + c) * low, target);
+          math::store(math::load(target + 4) - l(g + k, g + c) * high, target + 4);
+        }
+      }
+    }
+  }
+
+  double* scale = dense_.data();
+  for (int k = 0; k < columns; ++k) *scale++ = 1 / std::sqrt(factor.d()[panel.first + k]);
   for (int r = panel.runs; r < panel.runs_end.back(); ++r) {
-    scale = std::copy_n(&scaling_[runs_[r].target], runs_[r].count, scale);
+    for (int k = 0; k < runs_[r].count; ++k) {
+      *scale++ = static_cast<double>(scaling_[runs_[r].target + k]);
+    }
   }
-  std::fill(scale, scales_.data() + tiles_of(rows) * kTile, 0.0F);
+  std::fill(scale, dense_.data() + tiles_of(rows) * kTile, 0.0);
 }
 
 /// Converts left_, scaled, to the layout of the sweeps; false if a number is too large.
 template <class Stored>
 bool SolvePanels::store(const Panel& panel) noexcept {
   const float limit = sizeof(Stored) == sizeof(float) ? 1e30f : 6e4f;
-  panel_kernel::Lanes lanes, scale, largest{};
+  panel_kernel::Lanes lanes, largest{};
   for (int k = panel.rectangles; k < panel.rectangles_end.back(); ++k) {
     const Rectangle& rectangle = rectangles_[k];
     Stored* target = reinterpret_cast<Stored*>(memory_.get() + rectangle.offset);
     for (int c = rectangle.begin; c < rectangle.end; ++c) {
-      const float own = 1 / scaling_[panel.first + c];
+      const double own = 1 / static_cast<double>(scaling_[panel.first + c]);
       for (int h = 0; h < rectangle.height; ++h, target += kTile) {
         const std::ptrdiff_t tile = rectangle.tile + h;
-        panel_kernel::load(&left_[(tile * panel.columns + c) * kTile], lanes);
-        panel_kernel::load(&scales_[tile * kTile], scale);
-        lanes = lanes * own * scale;
+        const double* source = &left_[(tile * panel.columns + c) * kTile];
+        const double* scale = &dense_[tile * kTile];
+        float numbers[kTile];
+        for (int r = 0; r < kTile; ++r) numbers[r] = static_cast<float>(source[r] * own * scale[r]);
+        panel_kernel::load(numbers, lanes);
         panel_kernel::encode(lanes, target);
         lanes = lanes < 0 ? -lanes : lanes;
         largest = lanes > largest ? lanes : largest;
@@ -266,7 +316,7 @@ bool SolvePanels::store(const Panel& panel) noexcept {
     }
   }
   for (int r = 0; r < kTile; ++r) {
-    if (!(largest[r] < limit)) return false;
+    if (largest[r] >= limit) return false;
   }
   return true;
 }
@@ -276,10 +326,10 @@ void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexc
   factor.invert_border(held, dense_.data());
   // Groups of tiles: row i of column c of a group at c * kGroup * kTile + i.
   std::fill(b.inverse.begin(), b.inverse.end(), 0.0f);
-  const auto scale = [&](int i) { return static_cast<double>(scaling_[b.offset + i]); };
+  for (int i = 0; i < b.size; ++i) left_[i] = 1 / static_cast<double>(scaling_[b.offset + i]);
   for (int c = 0; c < b.size; ++c) {
     for (int i = 0; i < b.size; ++i) {
-      dense_[static_cast<std::size_t>(c) * b.size + i] /= scale(i) * scale(c);
+      dense_[static_cast<std::size_t>(c) * b.size + i] *= left_[i] * left_[c];
     }
   }
   if (!factor.is_positive(held)) make_positive(dense_.data(), b.size);

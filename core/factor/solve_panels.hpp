@@ -153,8 +153,8 @@ class SolvePanels {
   std::vector<Desk> desks_;
   std::vector<Top> top_;  // the border, which has no panels, comes last
   // Workspace of assign().
-  std::vector<float> rows_, scales_, left_, right_;
-  std::vector<double> dense_;
+  std::vector<float> rows_;
+  std::vector<double> dense_, left_, right_;
 };
 
 }  // namespace palpate::factor
