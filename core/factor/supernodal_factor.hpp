@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "core/factor/supernodes.hpp"
@@ -159,5 +160,13 @@ class SupernodalFactor {
   mutable std::vector<int> targets_;
   mutable std::vector<double> lanes_;
 };
+
+/// Creates a factor for these supernodes, which must outlive it.
+using FactorMaker = std::unique_ptr<SupernodalFactor> (*)(const Supernodes& supernodes);
+
+/// palpate's own L D L^T; the alternative is core/factor/cholmod/cholmod_factor.hpp.
+inline std::unique_ptr<SupernodalFactor> make_own_factor(const Supernodes& supernodes) {
+  return std::make_unique<SupernodalFactor>(supernodes);
+}
 
 }  // namespace palpate::factor

@@ -4,8 +4,8 @@
 
 #include "core/elasticity/contact/contact_options.hpp"
 #include "core/elasticity/element_forces.hpp"
-#include "core/factor/factor_maker.hpp"
 #include "core/factor/solve_panels.hpp"
+#include "core/factor/supernodal_factor.hpp"
 #include "core/math/team.hpp"
 
 namespace palpate::elasticity {
