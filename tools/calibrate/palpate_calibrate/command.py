@@ -1,0 +1,186 @@
+"""Command line of palpate-calibrate."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+
+from palpate_calibrate import plan_output, report, section_output
+from palpate_calibrate.configuration import Configuration, read_configuration
+from palpate_calibrate.fit import Options, fit_wrist
+from palpate_calibrate.help_format import Parser
+from palpate_calibrate.log_input import read_logs
+from palpate_calibrate.plan import Room, plan_poses
+from palpate_calibrate.recording import Mounting, Recording, RecordingError
+from palpate_calibrate.residual_plot import plot_residuals
+from palpate_calibrate.rotations import from_rpy
+from palpate_calibrate.section import SectionError, read_section
+from palpate_calibrate.table_input import read_description
+
+FAILED, WRONG_CONFIGURATION = 1, 78
+PRESETS = Path(__file__).resolve().parents[1] / "presets"
+LARGEST_ROOM = 0.1  # m, of the plan about its start without a configuration
+
+TOP_DESCRIPTION = """Calibrates the set-up of an arm from a recording of its own motion.
+"""
+TOP_TAIL = """
+Subcommands:
+  wrist                       Load, bias and mounting of a wrist's force-torque sensor and inertial unit, and their delays
+
+Example:
+  palpate-calibrate wrist run.log --config my_robot.yaml --output wrist.yaml
+Exit codes: 0   done
+            1   an error, or a recording that cannot be used
+            64  wrong command line
+            78  wrong configuration or description; the message names file, key, value and what is allowed
+"""
+DESCRIPTION = """Identifies what a wrist's force-torque sensor carries: mass, centre of mass and inertia of the load, the sensor's bias, its
+rotation in the flange, that of the inertial unit, and the delay of each stream relative to the robot's pose, each with a
+95 % interval. Names what the recording does not determine, and a motion that would. Nothing may be held or touched.
+"""
+TAIL = f"""
+A recording is one or more LCM logs with ROBOT_STATE, FT_WRENCH and, where present, IMU (palpate-record), a YAML description of
+CSV files (tools/calibrate/README.md), or one of the presets {' '.join(sorted(f.stem for f in PRESETS.glob('*.yaml')))}, with --data.
+Move the hand through the poses of --plan at 0.3 to 0.5 rad/s for one to two minutes, with quick small turns in between.
+
+Examples:
+  palpate-calibrate wrist --plan --config my_robot.yaml --start 0.6 0 0.5 0 90 0 --plot plan.png
+  palpate-record --output run.log
+  palpate-calibrate wrist run.log --config my_robot.yaml --output wrist.yaml --plot wrist.png
+  palpated --config wrist.yaml --check
+  palpate-calibrate wrist ft_static_ati --data recordings --json -
+Exit codes: 0   done
+            1   an error, or a recording that cannot be used
+            64  wrong command line
+            78  wrong configuration or description; the message names file, key, value and what is allowed
+"""
+
+
+def wrist_parser() -> Parser:
+    parser = Parser("palpate-calibrate wrist", DESCRIPTION, "[OPTIONS] [recording...]", TAIL)
+    parser.add_argument("recording", nargs="*", help="LCM logs, a description (.yaml), or the name of a preset")
+    parser.add_argument("--config", help="configuration of palpated: mounting, gravity and gate; the result is written as a change of it")
+    parser.add_argument("--arm", type=int, choices=[0, 1], default=0, help="index of the arm; 1: the second one")
+    parser.add_argument("--data", help="folder of the files that a description names; default: that of the description")
+    parser.add_argument("--clock", choices=["received", "sent"], default="received",
+                        help="times of an LCM log: of reception, which palpated acts on, or the senders'")  # fmt: skip
+    parser.add_argument("--drift", choices=["none", "linear", "walk"], default="linear", help="of the bias over the recording")
+    parser.add_argument("--no-pose-errors", action="store_true", help="residuals do not depend on the pose: there are no cables; narrower intervals")
+    parser.add_argument("--unknown-gravity", action="store_true", help="the direction of gravity in the base is sought, too")
+    parser.add_argument("--output", help="file for the YAML that palpated reads")
+    parser.add_argument("--plot", help="file for a picture (PNG): residuals, or the poses of --plan")
+    parser.add_argument("--json", help="file for the results as JSON; - for standard output")
+    parser.add_argument("--plan", action="store_true", help="choose poses instead: those that determine the parameters best")
+    parser.add_argument("--start", type=float, nargs=6, help="of --plan: pose of the flange in the base, x y z in m, roll pitch yaw in degrees")
+    parser.add_argument("--poses", type=int, default=12, help="of --plan: number of poses, 4 to 60")
+    parser.add_argument("--tilt", type=float, default=70.0, help="of --plan: largest rotation from the start, degrees, 10 to 180")
+    parser.add_argument("--mass", type=float, default=1.0, help="of --plan: about that of the load, kg, 0.01 to 100")
+    return parser
+
+
+def _write_json(values: Any, file: str) -> None:
+    text = json.dumps(values, indent=1) + "\n"
+    if file == "-":
+        sys.stdout.write(text)
+    else:
+        Path(file).write_text(text)
+
+
+def _read(options: argparse.Namespace, configuration: Optional[Configuration]) -> tuple[Recording, Mounting, bool]:
+    """Recording, mounting, and whether gravity's direction is unknown."""
+    first = Path(options.recording[0])
+    description = first if first.suffix in (".yaml", ".yml") else PRESETS / f"{first}.yaml"
+    if first.suffix in (".yaml", ".yml") or (not first.is_file() and description.is_file()):
+        is_preset = description is not first
+        folder = Path(options.data) if options.data else description.parent
+        if is_preset and not options.data:
+            raise RecordingError(f"{first}: a preset; --data names the folder of its files")
+        if is_preset and (folder / first.name).is_dir():
+            folder = folder / first.name
+        described = read_description(read_section(description), folder)
+        return described.recording, described.mounting, described.gravity_is_unknown or options.unknown_gravity
+    gravity = np.array([0, 0, -9.81]) if configuration is None else configuration.gravity
+    mounting = Mounting() if configuration is None else configuration.mounting
+    if configuration is None:  # without a drawing the positions are not known either
+        mounting.sensor_position_deviation = mounting.imu_position_deviation = 0.1
+    return read_logs(options.recording, options.arm, options.clock, gravity), mounting, options.unknown_gravity
+
+
+def _room(options: argparse.Namespace, configuration: Optional[Configuration]) -> Room:
+    start = np.array(options.start[:3])
+    lower, upper = start - LARGEST_ROOM, start + LARGEST_ROOM
+    workspace = (configuration.gate if configuration is not None else {}).get("workspace")
+    if workspace:
+        lower = np.maximum(lower, np.array(workspace["lower"], float))
+        upper = np.minimum(upper, np.array(workspace["upper"], float))
+    room = Room(start, from_rpy(np.radians(options.start[3:])), lower, upper, np.radians(options.tilt))
+    if not room.holds(start):
+        raise SectionError(f"{configuration.file if configuration else '--start'}: gate.workspace: the start {start.tolist()} is outside; "
+                           f"allowed: {workspace['lower']} to {workspace['upper']}")  # fmt: skip
+    return room
+
+
+def _plan(options: argparse.Namespace, configuration: Optional[Configuration]) -> None:
+    room = _room(options, configuration)
+    R_ES, gravity, center = np.eye(3), np.array([0, 0, -9.81]), np.array([0, 0, 0.1])
+    if configuration is not None:
+        gravity = configuration.gravity
+        R_ES = R_ES if configuration.mounting.sensor_rotation is None else configuration.mounting.sensor_rotation
+    plan = plan_poses(room, options.poses, options.mass, center, R_ES, gravity)
+    if options.output:
+        plan_output.write_yaml(plan, Path(options.output))
+    if options.plot:
+        plan_output.plot_plan(plan, room, Path(options.plot))
+    if options.json:
+        _write_json(plan_output.document(plan), options.json)
+    if options.json != "-":
+        print(plan_output.table(plan))
+
+
+def _fit(options: argparse.Namespace, configuration: Optional[Configuration]) -> None:
+    recording, mounting, is_tilted = _read(options, configuration)
+    fit = fit_wrist(recording, mounting, Options(options.drift, not options.no_pose_errors, is_tilted))
+    if options.output:
+        section_output.write_section(fit, Path(options.output), configuration)
+    if options.plot:
+        plot_residuals(fit, Path(options.plot))
+    if options.json:
+        _write_json(report.summary(fit), options.json)
+    if options.json != "-":
+        print(report.table(fit))
+
+
+def wrist(words: list[str]) -> None:
+    parser = wrist_parser()
+    options = parser.parse_args(words)
+    if options.plan == bool(options.recording):
+        parser.error("a recording, or --plan without one, is required")
+    if options.plan and options.start is None:
+        parser.error("--plan: --start is required")
+    for name, lower, upper in (("poses", 4, 60), ("tilt", 10, 180), ("mass", 0.01, 100)):
+        if not lower <= getattr(options, name) <= upper:
+            parser.error(f"--{name}: {getattr(options, name)}; allowed: {lower} to {upper}")
+    configuration = read_configuration(Path(options.config), options.arm) if options.config else None
+    (_plan if options.plan else _fit)(options, configuration)
+
+
+def main(words: list[str], version: str) -> int:
+    top = Parser("palpate-calibrate", TOP_DESCRIPTION, "[OPTIONS] SUBCOMMAND", TOP_TAIL)
+    top.add_argument("--version", action="version", version=version, help="Display program version information and exit")
+    try:
+        if words and words[0] == "wrist":
+            wrist(words[1:])
+            return 0
+        top.parse_args(words)
+        top.error("a subcommand is required; allowed: wrist")
+    except SectionError as error:
+        print(f"palpate-calibrate: {error}", file=sys.stderr)
+        return WRONG_CONFIGURATION
+    except (RecordingError, OSError) as error:
+        print(f"palpate-calibrate: {error}", file=sys.stderr)
+        return FAILED

@@ -1,0 +1,144 @@
+"""Covariance of what a rigid payload does not explain, estimated from the residuals of each group of three axes.
+
+Residuals of neighbouring samples and of neighbouring poses are alike: cables pull by pose, hysteresis and temperature last.
+The covariance between samples i and j is the sum of three parts (as in Gaussian process regression, Rasmussen and
+Williams 2006), the deviations of which maximise the restricted likelihood (Patterson and Thompson 1971):
+
+  white  independent from sample to sample
+  slow   exp(-|ti - tj| / time)
+  pose   exp(-d^2 / 2), d the distance of two poses, in units of LENGTH and ANGLE
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cholesky, solve_triangular
+from scipy.optimize import minimize
+
+from palpate_calibrate.motion import Motion
+from palpate_calibrate.rotations import Array
+
+LENGTH = 0.4  # m
+ANGLE = 1.0  # rad
+FLOOR = 1e-3  # smallest deviation of slow and pose, as a share of the white one at the start
+OUTLIER = 3.5  # deviations beyond which the weight of a sample falls (Huber)
+
+
+@dataclass
+class Deviations:
+    """Standard deviations of one group, in its unit, and the time over which the slow part is alike, s."""
+
+    white: float
+    slow: float
+    pose: float
+    time: float
+
+
+class Kernels:
+    """Matrices between the samples of a motion."""
+
+    def __init__(self, motion: Motion) -> None:
+        turns = motion.rotation_WE.reshape(len(motion.time), 9)
+        self.apart = np.abs(motion.time[:, None] - motion.time[None, :])
+        square = ((turns[:, None] - turns[None]) ** 2).sum(axis=2) / (2 * ANGLE**2)
+        square += ((motion.position[:, None] - motion.position[None]) ** 2).sum(axis=2) / LENGTH**2
+        self.pose = np.exp(-0.5 * square)
+        steps = np.diff(motion.time)
+        self.shortest = 2.0 * float(np.median(steps)) if steps.size else 1.0
+        self.longest = max(2.0 * self.shortest, 0.5 * float(self.apart.max()))
+
+    def covariance(self, d: Deviations, weights: Array) -> Array:
+        c = d.slow**2 * np.exp(-self.apart / d.time) + d.pose**2 * self.pose
+        c[np.diag_indices_from(c)] += d.white**2 / weights
+        return c
+
+
+@dataclass
+class Information:
+    """Normal equations matrix @ increment = vector of some observations."""
+
+    matrix: Array
+    vector: Array
+
+
+class Group:
+    """Residuals (n, 3) and their derivatives (n, 3, parameters) of one group, with the model of their covariance."""
+
+    def __init__(self, kernels: Kernels, deviations: Deviations, correlated: bool) -> None:
+        self.kernels, self.deviations, self.correlated = kernels, deviations, correlated
+        self.weights = np.ones(len(kernels.apart))
+
+    def set_residuals(self, residuals: Array, derivatives: Array) -> None:
+        n, _, count = derivatives.shape
+        self.used = np.flatnonzero(np.abs(derivatives).max(axis=(0, 1)) > 0)
+        self.count = count
+        self._columns = np.hstack([residuals, derivatives[:, :, self.used].reshape(n, -1)])
+
+    def _whitened(self, d: Deviations) -> tuple[Array, Array, float]:
+        factor = cholesky(self.kernels.covariance(d, self.weights), lower=True, check_finite=False)
+        white = solve_triangular(factor, self._columns, lower=True, check_finite=False)
+        n = len(white)
+        residuals, derivatives = white[:, :3].reshape(-1), white[:, 3:].reshape(n * 3, -1)
+        return residuals, derivatives, 2.0 * float(np.log(np.diag(factor)).sum())
+
+    def information(self, d: Deviations | None = None) -> Information:
+        """Of all parameters, about the current values."""
+        residuals, derivatives, _ = self._whitened(d or self.deviations)
+        matrix, vector = np.zeros((self.count, self.count)), np.zeros(self.count)
+        matrix[np.ix_(self.used, self.used)] = derivatives.T @ derivatives
+        vector[self.used] = derivatives.T @ residuals
+        return Information(matrix, vector)
+
+    def plain_information(self) -> tuple[Information, Array]:
+        """The same for samples weighted as if they were independent, with the covariance of the vector, which allows
+        for their correlation: the two parts of the sandwich (White 1980)."""
+        d = self.deviations
+        weight = (self.weights / (d.white**2 + d.slow**2 + d.pose**2))[:, None, None]
+        n = len(self._columns)
+        residuals = self._columns[:, :3].reshape(n, 3, 1)
+        derivatives = self._columns[:, 3:].reshape(n, 3, -1)
+        weighted = weight * derivatives
+        matrix, spread, vector = np.zeros((self.count, self.count)), np.zeros((self.count, self.count)), np.zeros(self.count)
+        some = np.ix_(self.used, self.used)
+        matrix[some] = np.einsum("naj,nak->jk", weighted, derivatives)
+        vector[self.used] = (weighted * residuals).sum(axis=(0, 1))
+        covariance = self.kernels.covariance(d, self.weights)
+        spread[some] = sum(weighted[:, a].T @ covariance @ weighted[:, a] for a in range(3))
+        return Information(matrix, vector), spread
+
+    def estimate(self, others: Information) -> None:
+        """Deviations of the largest restricted likelihood, given what the other groups and the prior say."""
+        first = self.deviations
+        lower = [np.log(1e-2 * first.white), np.log(FLOOR * first.white), np.log(FLOOR * first.white), np.log(self.kernels.shortest)]
+        upper = [np.log(30 * (first.white + first.slow + first.pose))] * 3 + [np.log(self.kernels.longest)]
+        small = 1e-12 * first.white
+        at = np.clip(np.log([first.white, first.slow + small, first.pose + small, first.time]), lower, upper)
+        free = 4 if self.correlated else 1
+
+        def objective(some: Array) -> float:
+            d = Deviations(*np.exp(np.concatenate([some, at[free:]])))
+            if not self.correlated:
+                d.slow = d.pose = 0.0
+            residuals, derivatives, log_determinant = self._whitened(d)
+            matrix, vector = others.matrix.copy(), others.vector.copy()
+            matrix[np.ix_(self.used, self.used)] += derivatives.T @ derivatives
+            vector[self.used] += derivatives.T @ residuals
+            scale = 1 / np.sqrt(np.diag(matrix))
+            factor = cho_factor(matrix * np.outer(scale, scale), lower=True, check_finite=False)[0]
+            solved = solve_triangular(factor, scale * vector, lower=True, check_finite=False)
+            of_parameters = 2 * np.log(np.diag(factor)).sum() - 2 * np.log(scale).sum()
+            return float(3 * log_determinant + residuals @ residuals - solved @ solved + of_parameters)
+
+        done = minimize(objective, at[:free], method="L-BFGS-B", bounds=list(zip(lower, upper))[:free],
+                        options={"maxiter": 15, "eps": 1e-3})  # fmt: skip
+        self.deviations = Deviations(*np.exp(np.concatenate([done.x, at[free:]])))
+        if not self.correlated:
+            self.deviations.slow = self.deviations.pose = 0.0
+
+    def update_weights(self) -> None:
+        """Reduces the weight of samples whose residual, given all others, is larger than OUTLIER deviations."""
+        inverse = np.linalg.inv(self.kernels.covariance(self.deviations, np.ones(len(self.weights))))
+        size = np.abs(inverse @ self._columns[:, :3]) / np.sqrt(np.diag(inverse))[:, None]
+        self.weights = np.minimum(1.0, (OUTLIER / np.maximum(size.max(axis=1), 1e-12)) ** 2)
