@@ -64,21 +64,26 @@ Exit codes: 0   done
 def wrist_parser() -> Parser:
     parser = Parser("palpate-calibrate wrist", DESCRIPTION, "[OPTIONS] [recording...]", TAIL)
     parser.add_argument("recording", nargs="*", help="LCM logs, a description (.yaml), or the name of a preset")
-    parser.add_argument("--config", help="configuration of palpated: mounting, gravity and gate; the result is written as a change of it")
+    parser.add_argument("--config", help="configuration of palpated: mounting, gravity and gate; the result is a change of it")
     parser.add_argument("--arm", type=int, choices=[0, 1], default=0, help="index of the arm; 1: the second one")
     parser.add_argument("--data", help="folder of the files that a description names; default: that of the description")
     parser.add_argument("--clock", choices=["received", "sent"], default="received",
                         help="times of an LCM log: of reception, which palpated acts on, or the senders'")  # fmt: skip
-    parser.add_argument("--drift", choices=["none", "linear", "walk"], default="linear", help="of the bias over the recording")
-    parser.add_argument("--no-pose-errors", action="store_true", help="residuals do not depend on the pose: there are no cables; narrower intervals")
+    parser.add_argument("--drift", choices=["none", "linear", "walk"], default="linear",
+                        help="of the bias over the recording")  # fmt: skip
+    parser.add_argument("--no-pose-errors", action="store_true",
+                        help="residuals do not depend on the pose: there are no cables; narrower intervals")  # fmt: skip
     parser.add_argument("--unknown-gravity", action="store_true", help="the direction of gravity in the base is sought, too")
     parser.add_argument("--output", help="file for the YAML that palpated reads")
     parser.add_argument("--plot", help="file for a picture (PNG): residuals, or the poses of --plan")
     parser.add_argument("--json", help="file for the results as JSON; - for standard output")
-    parser.add_argument("--plan", action="store_true", help="choose poses instead: those that determine the parameters best")
-    parser.add_argument("--start", type=float, nargs=6, help="of --plan: pose of the flange in the base, x y z in m, roll pitch yaw in degrees")
+    parser.add_argument("--plan", action="store_true",
+                        help="choose poses instead: those that determine the parameters best")  # fmt: skip
+    parser.add_argument("--start", type=float, nargs=6,
+                        help="of --plan: pose of the flange in the base, x y z in m, roll pitch yaw in degrees")  # fmt: skip
     parser.add_argument("--poses", type=int, default=12, help="of --plan: number of poses, 4 to 60")
-    parser.add_argument("--tilt", type=float, default=70.0, help="of --plan: largest rotation from the start, degrees, 10 to 180")
+    parser.add_argument("--tilt", type=float, default=70.0,
+                        help="of --plan: largest rotation from the start, degrees, 10 to 180")  # fmt: skip
     parser.add_argument("--mass", type=float, default=1.0, help="of --plan: about that of the load, kg, 0.01 to 100")
     return parser
 
@@ -120,7 +125,8 @@ def _room(options: argparse.Namespace, configuration: Optional[Configuration]) -
         upper = np.minimum(upper, np.array(workspace["upper"], float))
     room = Room(start, from_rpy(np.radians(options.start[3:])), lower, upper, np.radians(options.tilt))
     if not room.holds(start):
-        raise SectionError(f"{configuration.file if configuration else '--start'}: gate.workspace: the start {start.tolist()} is outside; "
+        file = configuration.file if configuration else "--start"
+        raise SectionError(f"{file}: gate.workspace: the start {start.tolist()} is outside; "
                            f"allowed: {workspace['lower']} to {workspace['upper']}")  # fmt: skip
     return room
 

@@ -70,7 +70,8 @@ def read_configuration(file: Path, arm: int) -> Configuration:
     sensing = [dict(item) for item in values.get("sensing") or []]
     wrists = [i for i, item in enumerate(sensing) if item.get("component") in WRIST_COMPONENTS and item.get("arm", 0) == arm]
     if not wrists:
-        raise SectionError(f"{file}: sensing: no instance for arm {arm} of {', '.join(WRIST_COMPONENTS)}, which have a payload")
+        raise SectionError(f"{file}: sensing: no instance for arm {arm} of {', '.join(WRIST_COMPONENTS)}, "
+                           "which have a payload")  # fmt: skip
     R_ES, p_ES = _pose(frames, "sensor_in_flange", file)
     R_EI, p_EI = _pose(frames, "imu_in_flange", file)
     gravity = Section(frames, file, "frames").numbers("gravity_in_base", 3, -20, 20, [0, 0, -9.81])

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate_calibrate.motion import Motion
+from palpate_calibrate.motion import LARGEST_DELAY, Motion
 from palpate_calibrate.noise_model import Deviations, Group, Information, Kernels
 from palpate_calibrate.parameters import BLOCKS, Block, WristParameters, point_inertia
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
@@ -79,6 +79,8 @@ def _blocks(signals: dict[str, Array], motion: Motion, options: Options, mountin
         left_out |= {"force_drift", "torque_drift"}
     if mounting.sensor_rotation_is_exact:
         left_out |= {"sensor_rotation"}
+    if motion.at_rest:
+        left_out |= {"force_hysteresis", "torque_hysteresis"}
     if not options.gravity_tilt:
         left_out |= {"gravity_tilt"}
     if "acceleration" not in signals:
@@ -138,7 +140,8 @@ class _Problem:
 
 
 def _sum(parts: list[Information]) -> Information:
-    return Information(sum((p.matrix for p in parts[1:]), parts[0].matrix), sum((p.vector for p in parts[1:]), parts[0].vector))
+    return Information(sum((p.matrix for p in parts[1:]), parts[0].matrix),
+                       sum((p.vector for p in parts[1:]), parts[0].vector))  # fmt: skip
 
 
 def _solve(prior: Information, groups: list[Group], ordinary: bool) -> tuple[Array, Array]:
@@ -166,17 +169,18 @@ def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Optio
         signals.pop("angular_velocity", None)
     start, polarity = start_values(motion, signals, recording.gravity, mounting, options.gravity_tilt)
     signals["force"], signals["torque"] = polarity * signals["force"], polarity * signals["torque"]
+    motion.directions *= polarity
     blocks = _blocks(signals, motion, options, mounting)
     problem = _Problem(motion, signals, recording.gravity, blocks, start, _prior(blocks, mounting, start))
     parameters = start
 
     kernels = Kernels(motion)
-    correlated = options.drift == "walk" or options.pose_errors
+    parts = 3 if options.pose_errors else 2 if options.drift == "walk" else 1
     ordinary = options.weights == "ordinary" or (options.weights == "auto" and recording.at_rest)
     groups = {}
     for name, residuals in problem.residuals(parameters).items():
         size = max(1.4826 * float(np.median(np.abs(residuals))), 1e-9)
-        groups[name] = Group(kernels, Deviations(size, 0, 0, kernels.shortest), correlated)
+        groups[name] = Group(kernels, Deviations(size, 0, 0, kernels.shortest), parts)
     steps = 0
     for turn in range(ROUNDS + 1):
         for _ in range(MOST_STEPS):
@@ -197,11 +201,14 @@ def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Optio
         for name, group in groups.items():
             if turn == 0:
                 size = max(float(np.sqrt((residuals[name] ** 2).mean())), 1e-9)
-                share = 0.5 if correlated else 0.0
-                group.deviations = Deviations(size, share * size, share * size, 4 * kernels.shortest)
+                group.deviations = Deviations(size, size / 2 * (parts > 1), size / 2 * (parts > 2), 4 * kernels.shortest)
             group.estimate(_sum([prior] + [g.information() for other, g in groups.items() if other != name]))
             if turn > 0:
                 group.update_weights()
+    for name, delay in (("wrench", parameters.wrench_delay), ("imu", parameters.imu_delay)):
+        if not motion.at_rest and abs(delay) > LARGEST_DELAY:
+            raise RecordingError(f"{recording.name}: the delay of {name} is {delay:.3f} s; allowed: {-LARGEST_DELAY} to "
+                                 f"{LARGEST_DELAY} s; are the clocks of the streams the same?")  # fmt: skip
     outliers = int(sum((group.weights < 0.5).sum() for group in groups.values()))
     freedom = max(3 * len(motion.time) * len(groups) - len(problem.prior), 3)
     return WristFit(parameters, blocks, covariance, problem.prior, polarity, motion, signals, residuals,

@@ -26,8 +26,8 @@ def read_logs(paths: Sequence[str], arm: int, clock: str, gravity: Array) -> Rec
     named = ", ".join(map(str, paths))
     for name in ("ROBOT_STATE", "FT_WRENCH"):
         if channel_of(name, arm) not in log:
-            raise RecordingError(f"{named}: no {channel_of(name, arm)}; the log has: {', '.join(log.channels) or 'nothing'}; record "
-                                 "with palpate-record while the arm moves")  # fmt: skip
+            raise RecordingError(f"{named}: no {channel_of(name, arm)}; the log has: {', '.join(log.channels) or 'nothing'}; "
+                                 "record with palpate-record while the arm moves")  # fmt: skip
     robot, wrench = log[channel_of("ROBOT_STATE", arm)], log[channel_of("FT_WRENCH", arm)]
     norms = np.linalg.norm(robot.quaternion, axis=1)
     wrong = np.flatnonzero(np.abs(norms - 1) > 1e-3)

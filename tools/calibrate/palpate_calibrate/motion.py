@@ -16,6 +16,7 @@ DEVIATION = 0.06  # s, of the kernel that is applied to every signal: 3 dB at 2.
 LARGEST_DELAY = 0.15  # s, of a stream relative to the pose, of either sign
 STEP = 0.02  # s, of the table of motions
 SHORTEST = 3.0  # s
+SLOW = 0.05  # rate of a reading, as a share of its root mean square, below which its direction is unclear
 
 
 @dataclass
@@ -44,6 +45,7 @@ class Motion:
             self.time = recording.pose.time
             self.position, self.rotation_WE = recording.pose.values[:, :3], rotations
             zero = np.zeros_like(self.position)
+            self.directions = np.zeros((len(self.time), 6))
             self._still = MotionSample(zero, zero, zero, np.zeros_like(rotations), np.swapaxes(rotations, 1, 2))
             return
         streams = [recording.pose, recording.wrench]
@@ -58,6 +60,8 @@ class Motion:
         self._table(recording.pose, rotations, begin - LARGEST_DELAY, end + LARGEST_DELAY)
         self.position = self._positions(self.time)
         self.rotation_WE = np.swapaxes(self.at(0.0).rotation_EW, 1, 2)
+        # Of each axis of the wrench: 1 where its reading rises, -1 where it falls, averaged as the signals are.
+        self.directions = self._directions(recording.wrench)
 
     def _table(self, pose: Stream, rotations: Array, begin: float, end: float) -> None:
         """Splines of what at() returns, from poses smoothed once before and once after differentiation."""
@@ -66,7 +70,8 @@ class Motion:
         quaternions = to_wxyz(rotations)
         signs = np.sign((quaternions[1:] * quaternions[:-1]).sum(axis=1))
         quaternions[1:] *= np.cumprod(np.where(signs == 0, 1, signs))[:, None]
-        smoothed = smooth(Stream(pose.name, pose.time, np.hstack([pose.values, quaternions])), fine, FIRST_DEVIATION)
+        both = Stream(pose.name, pose.time, np.hstack([pose.values, quaternions]))
+        smoothed = smooth(both, fine, FIRST_DEVIATION)
         q = smoothed[:, 12:] / np.linalg.norm(smoothed[:, 12:], axis=1, keepdims=True)
         position, quaternion = spline(fine, smoothed[:, :3]), spline(fine, q)
         rate = quaternion(fine, 1)
@@ -83,11 +88,19 @@ class Motion:
         self._motions = spline(fine, gaussian_filter1d(table, second / STEP, axis=0, truncate=REACH))
         self._positions = position
 
+    def _directions(self, wrench: Stream) -> Array:
+        fine = np.arange(self.time[0] - REACH * DEVIATION, self.time[-1] + REACH * DEVIATION, STEP)
+        rate = np.gradient(smooth(wrench, fine, FIRST_DEVIATION), STEP, axis=0)
+        unclear = SLOW * np.maximum(np.sqrt((rate**2).mean(axis=0)), 1e-12)
+        averaged = gaussian_filter1d(np.tanh(rate / unclear), DEVIATION / STEP, axis=0, truncate=REACH)
+        return np.asarray(spline(fine, averaged)(self.time))
+
     def at(self, delay: float) -> MotionSample:
         if self.at_rest:
             return self._still
         table = self._motions(self.time - delay)
-        return MotionSample(table[:, :3], table[:, 3:6], table[:, 6:9], *(table[:, k : k + 9].reshape(-1, 3, 3) for k in (9, 18)))
+        products, rotation_EW = (table[:, k : k + 9].reshape(-1, 3, 3) for k in (9, 18))
+        return MotionSample(table[:, :3], table[:, 3:6], table[:, 6:9], products, rotation_EW)
 
     def signal(self, stream: Stream) -> Array:
         """Values of a stream at the grid's times, (n, channels)."""

@@ -20,8 +20,8 @@ from scipy.optimize import minimize
 from palpate_calibrate.motion import Motion
 from palpate_calibrate.rotations import Array
 
-LENGTH = 0.4  # m
-ANGLE = 1.0  # rad
+LENGTH = 0.8  # m
+ANGLE = 2.0  # rad
 FLOOR = 1e-3  # smallest deviation of slow and pose, as a share of the white one at the start
 OUTLIER = 3.5  # deviations beyond which the weight of a sample falls (Huber)
 
@@ -66,8 +66,9 @@ class Information:
 class Group:
     """Residuals (n, 3) and their derivatives (n, 3, parameters) of one group, with the model of their covariance."""
 
-    def __init__(self, kernels: Kernels, deviations: Deviations, correlated: bool) -> None:
-        self.kernels, self.deviations, self.correlated = kernels, deviations, correlated
+    def __init__(self, kernels: Kernels, deviations: Deviations, parts: int) -> None:
+        """`parts`: 1: white alone, 2: slow, too, 3: pose, too."""
+        self.kernels, self.deviations, self.parts = kernels, deviations, parts
         self.weights = np.ones(len(kernels.apart))
 
     def set_residuals(self, residuals: Array, derivatives: Array) -> None:
@@ -100,7 +101,8 @@ class Group:
         residuals = self._columns[:, :3].reshape(n, 3, 1)
         derivatives = self._columns[:, 3:].reshape(n, 3, -1)
         weighted = weight * derivatives
-        matrix, spread, vector = np.zeros((self.count, self.count)), np.zeros((self.count, self.count)), np.zeros(self.count)
+        matrix, spread = np.zeros((2, self.count, self.count))
+        vector = np.zeros(self.count)
         some = np.ix_(self.used, self.used)
         matrix[some] = np.einsum("naj,nak->jk", weighted, derivatives)
         vector[self.used] = (weighted * residuals).sum(axis=(0, 1))
@@ -111,17 +113,19 @@ class Group:
     def estimate(self, others: Information) -> None:
         """Deviations of the largest restricted likelihood, given what the other groups and the prior say."""
         first = self.deviations
-        lower = [np.log(1e-2 * first.white), np.log(FLOOR * first.white), np.log(FLOOR * first.white), np.log(self.kernels.shortest)]
-        upper = [np.log(30 * (first.white + first.slow + first.pose))] * 3 + [np.log(self.kernels.longest)]
-        small = 1e-12 * first.white
-        at = np.clip(np.log([first.white, first.slow + small, first.pose + small, first.time]), lower, upper)
-        free = 4 if self.correlated else 1
+        floor, ceiling = FLOOR * first.white, 30 * (first.white + first.slow + first.pose)
+        # White, slow, its time, pose.
+        lower = np.log([1e-2 * first.white, floor, self.kernels.shortest, floor])
+        upper = np.log([ceiling, ceiling, self.kernels.longest, ceiling])
+        at = np.clip(np.log(np.maximum([first.white, first.slow, first.time, first.pose], 1e-300)), lower, upper)
+        free = (1, 3, 4)[self.parts - 1]
+
+        def deviations(some: Array) -> Deviations:
+            white, slow, time, pose = np.exp(np.concatenate([some, at[free:]]))
+            return Deviations(white, slow if self.parts > 1 else 0.0, pose if self.parts > 2 else 0.0, time)
 
         def objective(some: Array) -> float:
-            d = Deviations(*np.exp(np.concatenate([some, at[free:]])))
-            if not self.correlated:
-                d.slow = d.pose = 0.0
-            residuals, derivatives, log_determinant = self._whitened(d)
+            residuals, derivatives, log_determinant = self._whitened(deviations(some))
             matrix, vector = others.matrix.copy(), others.vector.copy()
             matrix[np.ix_(self.used, self.used)] += derivatives.T @ derivatives
             vector[self.used] += derivatives.T @ residuals
@@ -133,9 +137,7 @@ class Group:
 
         done = minimize(objective, at[:free], method="L-BFGS-B", bounds=list(zip(lower, upper))[:free],
                         options={"maxiter": 15, "eps": 1e-3})  # fmt: skip
-        self.deviations = Deviations(*np.exp(np.concatenate([done.x, at[free:]])))
-        if not self.correlated:
-            self.deviations.slow = self.deviations.pose = 0.0
+        self.deviations = deviations(done.x)
 
     def update_weights(self) -> None:
         """Reduces the weight of samples whose residual, given all others, is larger than OUTLIER deviations."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate_calibrate.fit import WristFit
-from palpate_calibrate.quantities import is_determined
+from palpate_calibrate.quantities import FROM_DRAWING, is_determined
 from palpate_calibrate.rotations import Array
 
 SHARE = 0.5  # of the largest component of a weak direction, above which a parameter is named with it
@@ -20,17 +20,16 @@ _ADVICE = {
     "torque_bias": "turn the hand upside down, so that weight and bias separate",
     "force_drift": "return to the first pose at the end",
     "torque_drift": "return to the first pose at the end",
+    "force_hysteresis": "record while moving, with turns to and fro of 0.2 rad/s or more",
+    "torque_hysteresis": "record while moving, with turns to and fro of 0.2 rad/s or more",
     "sensor_rotation": "turn the hand about two axes at an angle to each other; about one axis does not suffice",
-    "sensor_position": "from the drawing; only faster turns would determine it",
     "gravity_tilt": "turn the hand about two axes at an angle to each other",
     "wrench_delay": "record while moving, with turns to and fro of 0.2 rad/s or more",
     "imu_rotation": "turn the hand about two axes at an angle to each other",
-    "imu_position": "from the drawing; only faster turns would determine it",
     "acceleration_bias": "turn the hand by 60 degrees or more about two horizontal axes",
     "rate_bias": "record for 10 s or more",
     "imu_delay": "record while moving, with turns to and fro of 0.2 rad/s or more",
 }
-_FROM_DRAWING = ("sensor_position", "imu_position")
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ def information_ratio(fit: WristFit) -> tuple[Array, Array]:
 def weaknesses(fit: WristFit) -> list[Weakness]:
     """Directions of the parameters in which the recording taught little, the weakest first."""
     labels = _labels(fit)
-    known = np.concatenate([is_determined(fit, block.name) for block in fit.blocks])
+    known = np.concatenate([is_determined(fit, block.name) | (block.name in FROM_DRAWING) for block in fit.blocks])
     values, vectors = information_ratio(fit)
     found: list[Weakness] = []
     named: set[int] = set()
@@ -67,7 +66,7 @@ def weaknesses(fit: WristFit) -> list[Weakness]:
         named.update(members)
         groups = {labels[i][0] for i in members}
         advice = [_ADVICE[block.name] for block in fit.blocks if block.name in groups]
-        found.append(Weakness(tuple(labels[i][1] for i in members), "; ".join(dict.fromkeys(advice))))
+        found.append(Weakness(tuple(labels[i][1] for i in sorted(members)), "; ".join(dict.fromkeys(advice))))
     left = [i for i in np.flatnonzero(~known) if i not in named]
     found += [Weakness((labels[i][1],), _ADVICE[labels[i][0]]) for i in left]
     by_advice: dict[str, list[str]] = {}

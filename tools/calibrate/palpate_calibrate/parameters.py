@@ -43,6 +43,8 @@ BLOCKS = (
     Block("torque_bias", _xyz("torque_bias"), "N m", 30),
     Block("force_drift", _xyz("force_drift"), "N", 10),
     Block("torque_drift", _xyz("torque_drift"), "N m", 1),
+    Block("force_hysteresis", _xyz("force_hysteresis"), "N", 0.1),
+    Block("torque_hysteresis", _xyz("torque_hysteresis"), "N m", 5e-3),
     Block("sensor_rotation", _xyz("sensor_rotation"), "rad", 0.5),
     Block("sensor_position", _xyz("sensor_position"), "m", 0),
     Block("gravity_tilt", ("gravity_tilt_x", "gravity_tilt_y"), "rad", 1),
@@ -72,6 +74,8 @@ class WristParameters:
     torque_bias: Array = _zeros(3)  # N m
     force_drift: Array = _zeros(3)  # change of the bias over the recording, N
     torque_drift: Array = _zeros(3)  # N m
+    force_hysteresis: Array = _zeros(3)  # by which a rising reading is too low, and a falling one too high, N
+    torque_hysteresis: Array = _zeros(3)  # N m
     R_ES: Array = field(default_factory=lambda: np.eye(3))
     sensor_position: Array = _zeros(3)  # p_ES, m
     gravity_tilt: Array = _zeros(2)  # rotation of gravity about two horizontal axes of W, rad

@@ -101,8 +101,8 @@ def _short_way(positions: Array, rotations: Array) -> list[int]:
     left, way = set(range(1, len(positions))), [0]
     while left:
         here = way[-1]
-        distances = {i: np.linalg.norm(log_rotation(rotations[here].T @ rotations[i])) + 5 * np.linalg.norm(positions[i] - positions[here])
-                     for i in left}  # fmt: skip
+        angles = {i: np.linalg.norm(log_rotation(rotations[here].T @ rotations[i])) for i in left}
+        distances = {i: angles[i] + 5 * np.linalg.norm(positions[i] - positions[here]) for i in left}
         way.append(min(distances, key=lambda i: (distances[i], i)))
         left.remove(way[-1])
     return way

@@ -11,7 +11,8 @@ import yaml
 from palpate_calibrate.plan import Plan, Room
 from palpate_calibrate.rotations import to_rpy
 
-_SHOWN = {"mass": ("mass", "kg", 1), "moment": ("center_of_mass", "mm", 1e3), "sensor_rotation": ("sensor_rotation", "deg", np.degrees(1)),
+_SHOWN = {"mass": ("mass", "kg", 1), "moment": ("center_of_mass", "mm", 1e3),
+          "sensor_rotation": ("sensor_rotation", "deg", np.degrees(1)),
           "force_bias": ("force_bias", "N", 1), "torque_bias": ("torque_bias", "N m", 1),
           "imu_rotation": ("imu_rotation", "deg", np.degrees(1))}  # fmt: skip
 
@@ -31,15 +32,19 @@ def table(plan: Plan) -> str:
     lines = [f"{len(plan.positions)} poses of the flange in the base, to be visited in this order and held for 1 s each:", "",
              f"  {'x':>8}{'y':>8}{'z':>8} m{'roll':>9}{'pitch':>9}{'yaw':>9} deg"]  # fmt: skip
     for pose in values["poses"]:
-        lines.append("  " + "".join(f"{v:>8.3f}" for v in pose["position"]) + "  " + "".join(f"{v:>9.1f}" for v in pose["rpy_deg"]))
+        place, angles = ("".join(f"{v:>{w}}" for v in values) for values, w in
+                         (([f"{v:.3f}" for v in pose["position"]], 8), ([f"{v:.1f}" for v in pose["rpy_deg"]], 9)))  # fmt: skip
+        lines.append(f"  {place}  {angles}")
     lines += ["", "Expected 95 % intervals from these poses at rest:"]
     lines += [f"  {name:<18}+- {entry['half_width']:g} {entry['unit']}" for name, entry in values["expected"].items()]
-    lines += ["", "For delays and inertia: record the whole motion, and turn to and fro by 2 degrees at about 0.7 Hz about each axis."]
+    lines += ["", "For delays and inertia: record the whole motion, and turn to and fro by 2 degrees at about 0.7 Hz about "
+              "each axis."]  # fmt: skip
     return "\n".join(lines)
 
 
 def write_yaml(plan: Plan, file: Path) -> None:
-    file.write_text("# Written by palpate-calibrate wrist --plan\n" + yaml.safe_dump(document(plan), sort_keys=False, default_flow_style=None, width=120))
+    text = yaml.safe_dump(document(plan), sort_keys=False, default_flow_style=None, width=120)
+    file.write_text("# Written by palpate-calibrate wrist --plan\n" + text)
 
 
 def plot_plan(plan: Plan, room: Room, file: Path) -> None:
@@ -64,7 +69,8 @@ def plot_plan(plan: Plan, room: Room, file: Path) -> None:
             if np.abs(a - b).sum() == 1:
                 edge = room.lower + np.array([a, b]) * (room.upper - room.lower)
                 axes.plot(*edge.T, ":", color="0.5", linewidth=0.8)
-    axes.set(xlabel="x of W, m", ylabel="y, m", zlabel="z, m", title="flange: x red, y green, z blue; dotted: room of its origin")
+    axes.set(xlabel="x of W, m", ylabel="y, m", zlabel="z, m",
+             title="flange: x red, y green, z blue; dotted: room of its origin")  # fmt: skip
     axes.set_box_aspect((1, 1, 1))
     middle, half = (room.lower + room.upper) / 2, float(np.max(room.upper - room.lower)) / 2 + length
     for setter, value in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle):

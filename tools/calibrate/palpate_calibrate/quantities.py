@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from palpate_calibrate.fit import WristFit
 from palpate_calibrate.rotations import Array, to_rpy
@@ -31,16 +31,19 @@ _PLAIN = (
     ("torque_bias", "torque_bias", "N m", 1),
     ("force_drift", "force_drift", "N", 1),
     ("torque_drift", "torque_drift", "N m", 1),
+    ("force_hysteresis", "force_hysteresis", "N", 1),
+    ("torque_hysteresis", "torque_hysteresis", "N m", 1),
     ("sensor_rotation", "sensor_rotation", "deg", np.degrees(1)),
-    ("sensor_position", "sensor_position", "mm", 1e3),
     ("gravity_tilt", "gravity_tilt", "deg", np.degrees(1)),
     ("wrench_delay", "wrench_delay", "ms", 1e3),
     ("imu_rotation", "imu_rotation", "deg", np.degrees(1)),
-    ("imu_position", "imu_position", "mm", 1e3),
     ("acceleration_bias", "acceleration_bias", "m/s^2", 1),
     ("rate_bias", "rate_bias", "rad/s", 1),
     ("imu_delay", "imu_delay", "ms", 1e3),
 )
+# Positions stay those of the drawing: slow motions hardly depend on them. They are free in the fit, within their deviation,
+# so that the intervals of the others allow for them.
+FROM_DRAWING = ("sensor_position", "imu_position")
 # Largest ratio of the standard deviations after and before the recording of a parameter that counts as determined.
 LEARNT = 0.3
 
@@ -77,13 +80,16 @@ def _values(fit: WristFit, block: str) -> Array:
 def quantities(fit: WristFit) -> list[Quantity]:
     """All results. Rotations are roll, pitch and yaw as in a configuration; their intervals are those of small rotations
     about x, y and z of the sensor. Biases refer to the middle of the recording, drifts are those over it."""
-    wide = float(student.ppf(0.975, fit.freedom))
+    wide = float(stdtrit(fit.freedom, 0.975))  # of Student's distribution
     out = []
     for block in fit.blocks:
+        if block.name in FROM_DRAWING:
+            continue
         name, unit, factor = next(row[1:] for row in _PLAIN if row[0] == block.name)
         ends = [label[len(block.name) :] for label in block.labels]
         if block.name in ("sensor_rotation", "imu_rotation"):
             ends = ["_roll", "_pitch", "_yaw"]
-        for end, value, deviation, known in zip(ends, _values(fit, block.name), deviations(fit, block.name), is_determined(fit, block.name)):
+        entries = zip(ends, _values(fit, block.name), deviations(fit, block.name), is_determined(fit, block.name))
+        for end, value, deviation, known in entries:
             out.append(Quantity(name + end, float(factor * value), float(factor * wide * deviation), unit, bool(known)))
     return out

@@ -15,8 +15,10 @@ _UNITS = {"force": "N", "torque": "N m", "acceleration": "m/s^2", "angular_veloc
 
 def summary(fit: WristFit) -> dict[str, Any]:
     """Everything that the table shows, in the same units."""
-    residuals = {name: {"rms": fit.rms(name).tolist(), "rms_norm": float(np.linalg.norm(fit.rms(name))), "unit": _UNITS[name]}
-                 for name in fit.residuals}  # fmt: skip
+    residuals: dict[str, dict[str, Any]] = {}
+    for name in fit.residuals:
+        rms = fit.rms(name)
+        residuals[name] = {"rms": rms.tolist(), "rms_norm": float(np.linalg.norm(rms)), "unit": _UNITS[name]}
     for name, d in fit.deviations.items():
         residuals[name]["parts"] = {"white": d.white, "slow": d.slow, "pose": d.pose, "slow_time_s": d.time}
     return {
@@ -35,19 +37,24 @@ def summary(fit: WristFit) -> dict[str, Any]:
 
 def table(fit: WristFit) -> str:
     """For people: one line per result, the residuals, and what is not determined."""
-    kind = f"{len(fit.motion.time)} poses at rest" if fit.motion.at_rest else (
-        f"{fit.recording.wrench.time[-1] - fit.recording.wrench.time[0]:.1f} s in motion, {len(fit.motion.time)} samples")  # fmt: skip
-    lines = [f"{fit.recording.name}: {kind}", "", f"  {'parameter':<22}{'value':>12}   {'95 % interval':<14}unit"]
+    time = fit.recording.wrench.time
+    kind = f"{time[-1] - time[0]:.1f} s in motion, {len(fit.motion.time)} samples"
+    if fit.motion.at_rest:
+        kind = f"{len(fit.motion.time)} poses at rest"
+    lines = [f"{fit.recording.name}: {kind}", "", f"  {'parameter':<22}{'value':>12}   {'95 % interval':<16}unit"]
     for q in quantities(fit):
         digits = int(np.clip(2 - np.floor(np.log10(max(q.half_width, 1e-9))), 0, 7))
         interval = f"+- {q.half_width:.{digits}f}" if q.is_determined else "not determined"
-        lines.append(f"  {q.name:<22}{q.value:>12.{digits}f}   {interval:<14}{q.unit}")
+        lines.append(f"  {q.name:<22}{q.value:>12.{digits}f}   {interval:<16}{q.unit}")
     lines.append("")
     for name in fit.residuals:
         axes = " ".join(f"{value:.4g}" for value in fit.rms(name))
-        lines.append(f"  residual of {name.replace('_', ' ')}: {axes} {_UNITS[name]} (x y z), {np.linalg.norm(fit.rms(name)):.3f} in all")
+        norm = np.linalg.norm(fit.rms(name))
+        lines.append(f"  residual of {name.replace('_', ' ')}: {axes} {_UNITS[name]} (x y z), {norm:.3f} in all")
     if fit.polarity < 0:
         lines.append("  The sensor reports what its load exerts on it: polarity: -1.")
+    if "gravity_tilt" in fit.rows:
+        lines.append("  With an unknown direction of gravity the sign of the readings and that direction are known only together.")
     if fit.outliers:
         lines.append(f"  {fit.outliers} samples with reduced weight.")
     found = weaknesses(fit)

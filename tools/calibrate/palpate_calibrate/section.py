@@ -80,7 +80,8 @@ class Section:
         values = self._value(key, REQUIRED)
         if not isinstance(values, list):
             self.fail(key, f"{values!r}; allowed: a list of mappings")
-        return [Section(value, self.file, f"{self.path + '.' if self.path else ''}{key}.{i}") for i, value in enumerate(values)]
+        path = f"{self.path + '.' if self.path else ''}{key}"
+        return [Section(value, self.file, f"{path}.{i}") for i, value in enumerate(values)]
 
     def check_unused(self) -> None:
         unknown = [key for key in self.values if key not in self._read]

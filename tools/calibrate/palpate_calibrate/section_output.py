@@ -62,7 +62,8 @@ def write_section(fit: WristFit, file: Path, configuration: Optional[Configurati
     if fit.polarity < 0 or "polarity" in sensing[index]:
         sensing[index]["polarity"] = fit.polarity
     document["sensing"] = sensing
-    if configuration is not None and configuration.has_wrench_lag and is_determined(fit, "wrench_delay").all() and fit.parameters.wrench_delay > 0:
+    has_lag = configuration is not None and configuration.has_wrench_lag
+    if has_lag and is_determined(fit, "wrench_delay").all() and fit.parameters.wrench_delay > 0:
         deviation = max(1e3 * float(deviations(fit, "wrench_delay")[0]), SMALLEST_LAG_DEVIATION)
         document["estimation"] = {"wrench_lag_ms": round(float(1e3 * fit.parameters.wrench_delay), 3),
                                   "wrench_lag_deviation_ms": round(deviation, 3)}  # fmt: skip

@@ -57,7 +57,8 @@ class Table:
                     out[i, k] = float(row[index])
                 except (ValueError, IndexError) as error:
                     value = row[index] if index < len(row) else "nothing"
-                    raise RecordingError(f"{self.path}, line {i + 2}, column {names[k]}: {value}; allowed: a number") from error
+                    place = f"{self.path}, line {i + 2}, column {names[k]}"
+                    raise RecordingError(f"{place}: {value}; allowed: a number") from error
         return out
 
 
@@ -83,7 +84,8 @@ def _rotations(table: Table, pose: Section) -> Array:
         q = table.columns(pose.names("quaternion", 4))
         wrong = np.flatnonzero(np.abs(np.linalg.norm(q, axis=1) - 1) > 1e-2)
         if wrong.size:
-            raise RecordingError(f"{table.path}, line {wrong[0] + 2}: a quaternion of length {np.linalg.norm(q[wrong[0]]):.4g}; allowed: 1")
+            length = np.linalg.norm(q[wrong[0]])
+            raise RecordingError(f"{table.path}, line {wrong[0] + 2}: a quaternion of length {length:.4g}; allowed: 1")
         return from_wxyz(q)
     if given[0] == "rotation":
         return table.columns(pose.names("rotation", 9)).reshape(-1, 3, 3)
@@ -151,11 +153,14 @@ def read_description(section: Section, folder: Path) -> Described:
         of = section.section("angular_velocity")
         recording.angular_velocity = stream(of, of.names("columns", 3), "angular velocity")
         recording.angular_velocity.values *= ANGLE_UNITS[of.choice("unit", list(ANGLE_UNITS), "rad")]
-    mounting = Mounting(sensor_position=np.zeros(3))
+    # Places that no drawing states.
+    mounting = Mounting(sensor_position_deviation=0.1, imu_position_deviation=0.1)
     if section.has("sensor_in_flange"):
         of = section.section("sensor_in_flange")
         mounting.sensor_rotation = from_rpy(np.radians(of.numbers("rpy_deg", 3, -360, 360, [0, 0, 0])))
         mounting.sensor_position = _vector(of, "position", [0, 0, 0])
+        if of.has("position"):
+            mounting.sensor_position_deviation = Mounting.sensor_position_deviation
         mounting.sensor_rotation_is_exact = of.flag("exact", False)
         of.check_unused()
     described = Described(recording, mounting, section.flag("gravity_direction_is_unknown", False))

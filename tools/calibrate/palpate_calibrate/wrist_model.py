@@ -55,8 +55,10 @@ def predict_wrench(parameters: WristParameters, motion: Motion, gravity_W: Array
     phase = ((motion.time - motion.time[0]) / span - 0.5)[:, None] if span > 0 else np.zeros((len(f), 1))
     force = parameters.mass * f + cross(alpha, mc) + _centripetal(products, mc)
     torque = cross(mc, f) + alpha @ inertia + _gyroscopic(products, inertia)
-    return (force + parameters.force_bias + phase * parameters.force_drift,
-            torque + parameters.torque_bias + phase * parameters.torque_drift)  # fmt: skip
+    force = force + parameters.force_bias + phase * parameters.force_drift
+    torque = torque + parameters.torque_bias + phase * parameters.torque_drift
+    return (force - motion.directions[:, :3] * parameters.force_hysteresis,
+            torque - motion.directions[:, 3:] * parameters.torque_hysteresis)  # fmt: skip
 
 
 def predict_inertial(parameters: WristParameters, motion: Motion, gravity_W: Array) -> tuple[Array, Array]:

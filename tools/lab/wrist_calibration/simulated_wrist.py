@@ -149,8 +149,10 @@ def record(random, truth, motion):
     pose = np.hstack([p_WE[at] + random.normal(0, POSE_NOISE, (len(at), 3)), reported.as_matrix().reshape(-1, 9)])
     at, wrench_time = rows("wrench", truth.wrench_delay)
     bias = truth.bias + (grid[at, None] / grid[-1] - 0.5) * truth.drift
-    wrench = np.hstack([measured(random, force[at] + bias[:, :3], "force"), measured(random, torque[at] + bias[:, 3:], "torque")])
+    wrench = np.hstack([measured(random, force[at] + bias[:, :3], "force"),
+                        measured(random, torque[at] + bias[:, 3:], "torque")])  # fmt: skip
     at, imu_time = rows("imu", truth.imu_delay)
     offset = random.normal(0, 0.05, 3)
     return ((pose_time, pose), (wrench_time, wrench),
-            (imu_time, measured(random, specific[at] + offset, "acceleration"), measured(random, rate[at], "rate")))  # fmt: skip
+            (imu_time, measured(random, specific[at] + offset, "acceleration"),
+             measured(random, rate[at], "rate")))  # fmt: skip

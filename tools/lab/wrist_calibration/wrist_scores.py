@@ -16,7 +16,8 @@ from palpate_calibrate.rotations import log_rotation
 
 # 95 % of the draws within: share, m, degrees, s
 GOALS = {"mass": (0.006, "%", 100), "center": (0.6e-3, "mm", 1e3), "sensor_rotation": (np.radians(0.3), "deg", np.degrees(1)),
-         "imu_rotation": (np.radians(0.3), "deg", np.degrees(1)), "wrench_delay": (2e-3, "ms", 1e3), "imu_delay": (2e-3, "ms", 1e3)}
+         "imu_rotation": (np.radians(0.3), "deg", np.degrees(1)), "wrench_delay": (2e-3, "ms", 1e3),
+         "imu_delay": (2e-3, "ms", 1e3)}
 HOLD, WIDEST = 0.9, 2.0  # share of the intervals that hold, factor by which they may be too wide
 
 
@@ -28,7 +29,8 @@ def fit_draw(seed, cables):
         random, truth, simulated.draw_motion(random))
     recording = Recording(f"draw {seed}", Stream("pose", pose_time, pose), Stream("wrench", wrench_time, wrench),
                           Stream("acceleration", imu_time, acceleration), Stream("rate", imu_time, rate))
-    mounting = Mounting(truth.drawn_R_ES.as_matrix(), False, truth.drawn_p_ES, truth.drawn_R_EI.as_matrix(), truth.drawn_p_EI)
+    mounting = Mounting(truth.drawn_R_ES.as_matrix(), False, truth.drawn_p_ES, truth.drawn_R_EI.as_matrix(),
+                        truth.drawn_p_EI)
     return fit_wrist(recording, mounting, Options()), truth
 
 
@@ -63,7 +65,8 @@ def print_summary(results):
     for name in results[0]["errors"]:
         ratio = np.abs([r["errors"][name] for r in results]) / np.array([r["half_widths"][name] for r in results])
         pooled.append(ratio.ravel())
-        print(f"{name:<16} {100 * np.mean(ratio <= 1):.0f} % of the intervals hold; 95 % of the errors are within {np.quantile(ratio, 0.95):.2f} of them")
+        print(f"{name:<16} {100 * np.mean(ratio <= 1):.0f} % of the intervals hold; 95 % of the errors are within "
+              f"{np.quantile(ratio, 0.95):.2f} of their half widths")
     pooled = np.concatenate(pooled)
     holding, wide = float(np.mean(pooled <= 1)), 1 / float(np.quantile(pooled, 0.95))
     print(f"pooled: {100 * holding:.1f} % hold (goal {100 * HOLD:.0f} %): {'met' if holding >= HOLD else 'MISSED'}; "
