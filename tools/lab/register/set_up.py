@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Optional
+from typing import Any, Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,16 +97,25 @@ class SetUp:
 
 
 def touched(name: str, seed: int, symmetries: Symmetries, touches: int = 12) -> dict[str, Any]:
-    """A set-up registered by touches alone, with the guess and, again, without."""
+    """A set-up registered by touches alone."""
     set_up = SetUp(name, seed)
     session = Session(set_up.surface, set_up.guess, set_up.reach, TOUCH, NORMAL)
     for _ in range(touches):
         set_up.touch(session, of_position=False)
     observed = Observations(session.touches, None, set_up.guess)
     scored = set_up.score(register(set_up.surface, observed, 60, 8, seed, symmetries), session.touches, symmetries)
-    everywhere = register(set_up.surface, Observations(session.touches), 200, 12, seed, symmetries)
-    scored["global_error"] = set_up.score(everywhere, session.touches, symmetries)["error"]
+    scored["touches"] = [session.touches.points.tolist(), session.touches.normals.tolist()]
     return scored
+
+
+def everywhere(name: str, seed: int, symmetries: Symmetries, of_touched: dict[str, Any]) -> dict[str, Any]:
+    """The touches of `touched` registered once more, by a search over all poses."""
+    points, normals = (np.array(values) for values in of_touched["touches"])
+    touches = Touches(points, normals, np.full(len(points), TOUCH), NORMAL)
+    set_up = SetUp(name, seed)
+    found = register(set_up.surface, Observations(touches), 200, 12, seed, symmetries)
+    arm = Pose(set_up.truth.R, set_up.truth.p + set_up.shift)
+    return {"error": difference(symmetries.nearest(found.pose, arm), arm, set_up.surface.center).tolist()}
 
 
 def seen(name: str, seed: int, symmetries: Symmetries, touches: int = 4) -> dict[str, Any]:
@@ -124,4 +133,4 @@ def seen(name: str, seed: int, symmetries: Symmetries, touches: int = 4) -> dict
     return scored
 
 
-RUNS: dict[str, Callable[[str, int, Symmetries], Optional[dict[str, Any]]]] = {"touched": touched, "seen": seen}
+RUNS: dict[str, Callable[..., dict[str, Any]]] = {"touched": touched, "seen": seen, "everywhere": everywhere}

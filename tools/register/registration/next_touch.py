@@ -15,8 +15,9 @@ from registration.surface import Surface, closest_on_segments
 
 Floats = NDArray[np.float64]
 CANDIDATES = 160  # places, and as many again at the margin from edges and in corners
-MARGIN = 0.003  # m, from sharp edges, besides the uncertainty of the pose
-SUFFICES = (3e-4, np.radians(0.1))  # m, rad: deviations below which more accuracy hardly counts
+MARGIN = 0.0025  # m, from sharp edges, besides the uncertainty of the pose
+APART = 0.2  # of the largest side, between proposals on one face
+SUFFICES = (4e-4, np.radians(0.05))  # m, rad: deviations below which more accuracy hardly counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +87,12 @@ def next_touches(surface: Surface, pose: Pose, covariance: Floats, deviation: fl
     gain = 0.5 * (before - np.linalg.slogdet(after[:, part, part] + S)[1])
     arms = points_W - pose.of(surface.center[None])
     chance = _chance(points_W, arms, feet @ pose.R.T + pose.p, covariance)
-    order = np.argsort(-gain * chance, kind="stable")[:count]
-    return [Touch(points_W[i], -normals_W[i], float(gain[i]), float(chance[i])) for i in order]
+    chosen: list[int] = []
+    for i in np.argsort(-gain * chance, kind="stable"):
+        near = np.linalg.norm(points_W[chosen] - points_W[i], axis=1) < APART * surface.largest_side
+        if len(chosen) < count and not (near & (normals_W[chosen] @ normals_W[i] > 0.9)).any():
+            chosen.append(int(i))
+    return [Touch(points_W[i], -normals_W[i], float(gain[i]), float(chance[i])) for i in chosen]
 
 
 def _margin(surface: Surface) -> float:

@@ -18,7 +18,7 @@ from registration.symmetry import Symmetries, find_symmetries
 Floats = NDArray[np.float64]
 OTHER_WITHIN = 4.0  # loss: poses that are less likely than the best by up to e^4 are named
 SAME_START = 0.1  # rad, and of the object's size: coarse poses that lead to the same end
-UNDETERMINED = np.array([0.05] * 3 + [np.radians(20)] * 3)  # m, rad: deviations that say nothing
+UNDETERMINED = (0.02, np.radians(10))  # m, rad: deviations that say nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +45,34 @@ class Registration:
 
     @property
     def undetermined(self) -> list[str]:
-        """Directions that the points do not determine, in words."""
-        names = [f"position along {axis}" for axis in "xyz"] + [f"rotation about {axis}" for axis in "xyz"]
-        return [name for name, wide in zip(names, self.deviations > UNDETERMINED) if wide]
+        """Directions in W that the points do not determine, in words."""
+        found = []
+        for part, limit, words in ((slice(0, 3), UNDETERMINED[0], "position along"),
+                                   (slice(3, 6), UNDETERMINED[1], "rotation about")):  # fmt: skip
+            for variance, axis in zip(*_principal(self.covariance[part, part])):
+                if variance > limit**2:
+                    found.append(f"{words} ({axis[0]:.2f} {axis[1]:.2f} {axis[2]:.2f})")
+        return found
+
+
+def _principal(covariance: Floats) -> tuple[Floats, Floats]:
+    """Variances, (3,), and unit directions, (3, 3), one a row, each with its largest part positive."""
+    variances, axes = np.linalg.eigh(covariance)
+    axes = axes.T
+    largest = axes[np.arange(3), np.abs(axes).argmax(axis=1)]
+    return variances, axes * np.sign(largest)[:, None] + 0.0
+
+
+def _without_free_turn(final: Refined, symmetries: Symmetries) -> Floats:
+    """Covariance, (6, 6); a turn about an axis of full symmetry changes nothing and has none."""
+    axis = symmetries.free_axis()
+    if axis is None:
+        return final.covariance
+    turn = np.zeros(len(final.information))
+    turn[3:6] = final.state.pose.R @ axis
+    known = final.information + 1e12 * np.outer(turn, turn)
+    result: Floats = np.linalg.inv(known)[:6, :6]
+    return result
 
 
 def register(surface: Surface, observed: Observations, starts: int = 300, keep: int = 16, seed: int = 0,
@@ -79,7 +104,7 @@ def register(surface: Surface, observed: Observations, starts: int = 300, keep: 
     reference = observed.guess.pose if observed.guess else Pose(np.eye(3), np.zeros(3))
     chosen = symmetries.nearest(best.state.pose, reference)
     final = refine(surface, type(best.state)(chosen, best.state.shift, best.state.turn), observed)
-    covariance = final.covariance
+    covariance = _without_free_turn(final, symmetries)
     covariance[:3, :3] += observed.touches.common_deviation**2 * np.eye(3)
     verdict = test_fit(surface, final, observed)
     if verdict.freedom > 0:  # errors larger than stated widen the intervals; smaller ones do not narrow them

@@ -118,7 +118,7 @@ def _name(direction: Floats, surface: Surface) -> str:
     """By the axis of O that it follows, and by the object's length."""
     along = int(np.argmax(np.abs(direction)))
     if abs(direction[along]) < 0.999:
-        return "(" + " ".join(f"{value:.2f}" for value in direction + 0.0) + ")"
+        return "(" + " ".join(f"{value:.2f}" for value in np.round(direction, 2) + 0.0) + ")"
     order = np.argsort(-surface.sides)
     if along == order[0] and surface.sides[order[0]] > 1.1 * surface.sides[order[1]]:
         return f"its long axis ({'xyz'[along]})"
