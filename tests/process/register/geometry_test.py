@@ -33,7 +33,7 @@ def prism(corners, length):
     return Surface(np.vstack([bottom, top]), np.array(sides + caps))
 
 
-def cylinder(radius, length, count=96):
+def cylinder(radius, length, count=48):
     angle = 2 * np.pi * np.arange(count) / count
     return prism(radius * np.column_stack([np.cos(angle), np.sin(angle)]), length)
 
@@ -177,4 +177,4 @@ class Information(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1], verbosity=2)

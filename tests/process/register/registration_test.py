@@ -2,6 +2,7 @@
 
 usage: registration_test.py BINARIES SOURCE
 """
+import functools
 import os
 import sys
 import unittest
@@ -15,7 +16,7 @@ from registration import robust  # noqa: E402
 from registration.observations import Cloud, Guess, Observations, Touches  # noqa: E402
 from registration.pose import Pose, difference, random_rotations, rotation  # noqa: E402
 from registration.refine import refine  # noqa: E402
-from registration.register import register  # noqa: E402
+from registration import register as registering  # noqa: E402
 from registration.surface import Surface, box_surface  # noqa: E402
 from registration.symmetry import find_symmetries  # noqa: E402
 from set_up import CAMERA, SetUp  # noqa: E402
@@ -29,6 +30,15 @@ WEDGE = Surface(np.array([[0, 0, 0], [0.12, 0, 0], [0.09, 0.05, 0], [0, 0.07, 0]
 POSE = Pose(rotation([0.2, -0.3, 0.25]), np.array([0.6, 0.1, 0.3]))
 GUESS = Guess(Pose(np.eye(3), np.array([0.59, 0.12, 0.29])), 0.05, np.radians(30))
 DEVIATION = 3e-4  # m
+
+
+@functools.lru_cache(maxsize=None)
+def symmetries_of(surface):
+    return find_symmetries(surface)
+
+
+def register(surface, observed, starts=60, keep=6):
+    return registering.register(surface, observed, starts, keep, symmetries=symmetries_of(surface))
 
 
 def touched(surface, count, deviation=DEVIATION, seed=1, pose=POSE, has_normals=True):
@@ -50,9 +60,9 @@ class Poses(unittest.TestCase):
         self.assertLess(angle, 1e-5)
 
     def test_without_a_guess_the_one_pose_of_an_uneven_solid_is_found(self):
-        for seed, R in enumerate(random_rotations(np.random.default_rng(2), 3)):
+        for seed, R in enumerate(random_rotations(np.random.default_rng(2), 2)):
             pose = Pose(R, np.array([0.5, -0.2, 0.4]))
-            result = register(WEDGE, Observations(touched(WEDGE, 16, seed=seed, pose=pose)), 400, 24)
+            result = register(WEDGE, Observations(touched(WEDGE, 16, seed=seed, pose=pose)), 300, 16)
             position, angle = self.distance(result, WEDGE, pose)
             self.assertLess(position, 1.5e-3)
             self.assertLess(angle, np.radians(2))
@@ -94,24 +104,24 @@ class Poses(unittest.TestCase):
 class Intervals(unittest.TestCase):
     def test_stated_deviations_are_those_of_many_draws(self):
         normalised = []
-        for seed in range(40):
+        for seed in range(30):
             random = np.random.default_rng(100 + seed)
             exact = touched(CUBE, 18, 0.0, seed=3)
             noisy = Touches(exact.points + DEVIATION * random.normal(size=(18, 3)), exact.normals, np.full(18, DEVIATION))
-            found = refine(CUBE, POSE, Observations(noisy))
+            found = refine(CUBE, POSE, Observations(noisy), widenings=(1.0,))
             step = difference(found.state.pose, POSE, CUBE.center)
             normalised.append(step @ np.linalg.solve(found.covariance, step))
         self.assertGreater(np.mean(normalised), 4)  # 6 are expected
-        self.assertLess(np.mean(normalised), 8.5)
+        self.assertLess(np.mean(normalised), 9)
 
 
 class Clouds(unittest.TestCase):
     def test_touches_correct_a_camera_that_is_off(self):
         set_up = SetUp("cube", 2000)
         cloud = set_up.cloud()
-        alone = register(CUBE, Observations(cloud=cloud, guess=set_up.guess), 60, 8)
+        alone = register(CUBE, Observations(cloud=cloud, guess=set_up.guess))
         touches = touched(CUBE, 9, pose=set_up.truth, seed=5)
-        both = register(CUBE, Observations(touches, cloud, set_up.guess), 60, 8)
+        both = register(CUBE, Observations(touches, cloud, set_up.guess))
         errors = [np.linalg.norm(difference(both.symmetries.nearest(one.pose, set_up.truth), set_up.truth, CUBE.center)[:3])
                   for one in (alone, both)]  # fmt: skip
         self.assertGreater(errors[0], 0.5 * CAMERA)
@@ -142,11 +152,9 @@ class OtherObjects(unittest.TestCase):
         self.assertIn("another object", verdict.text)
 
     def test_the_right_one_fits_in_nearly_all_draws(self):
-        symmetries = find_symmetries(CUBE)
-        fits = [register(CUBE, Observations(touched(CUBE, 16, seed=seed), None, GUESS), 40, 6, symmetries=symmetries).verdict.fits
-                for seed in range(12)]  # fmt: skip
-        self.assertGreaterEqual(sum(fits), 11)
+        fits = [register(CUBE, Observations(touched(CUBE, 16, seed=seed), None, GUESS), 30, 3).verdict.fits for seed in range(6)]
+        self.assertGreaterEqual(sum(fits), 5)
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1], verbosity=2)

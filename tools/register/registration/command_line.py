@@ -1,4 +1,4 @@
-"""Options of palpate-register."""
+"""Options of palpate-register. Imports nothing slow, so that --help comes at once."""
 
 from __future__ import annotations
 
@@ -31,17 +31,24 @@ Exit codes: 0   done, and the mesh fits, or there are too few points to say
             78  wrong configuration; the message names file, line, key, value and allowed values"""
 
 
-class _Help(argparse.RawDescriptionHelpFormatter):
-    """Headings and columns as in the other programs."""
+class _Help(argparse.HelpFormatter):
+    """Columns as in the other programs, from which manual pages and completion are made."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=30, width=110)
 
-    def add_usage(self, usage, actions, groups, prefix=None):  # type: ignore[no-untyped-def]
-        super().add_usage(usage, actions, groups, "Usage: ")
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        return super()._format_action_invocation(action).replace(", ", ",")
 
 
 class _Parser(argparse.ArgumentParser):
+    def format_help(self) -> str:
+        formatter = self._get_formatter()
+        formatter.start_section("Options")
+        formatter.add_arguments(self._actions)
+        formatter.end_section()
+        return f"{DESCRIPTION}\nUsage: {self.prog} [OPTIONS]\n\n{formatter.format_help()}\n{EPILOGUE}\n"
+
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {message}; see --help", file=sys.stderr)
         sys.exit(64)
@@ -78,40 +85,39 @@ class _Range(argparse.Action):
 
 def parser() -> argparse.ArgumentParser:
     """Of the command line."""
-    made = _Parser("palpate-register", description=DESCRIPTION, epilog=EPILOGUE, formatter_class=_Help, add_help=False)
-    made._optionals.title = "Options"
+    made = _Parser("palpate-register", formatter_class=_Help, add_help=False)
     add = made.add_argument
     add("-h", "--help", action="help", help="Print this help message and exit")
-    add("--config", type=Path, metavar="FILE", help="Configuration of palpated: its mesh and the guess of the pose")
-    add("--mesh", type=Path, metavar="FILE", help="Instead: mesh in m, .msh (Gmsh 2.2, 4.1), .stl or .obj")
-    add("--box", type=_Number(1e-3, 10), nargs=3, metavar=("X", "Y", "Z"), help="Instead: box with a corner in O, edges in m")
-    add("--touches", type=Path, metavar="FILE", help="CSV of touched points")
-    add("--cloud", type=Path, metavar="FILE", help="Points that a camera sees: .ply, .pcd, .xyz or .npy")
-    add("--guess", type=_COORDINATE, nargs=6, metavar=("X", "Y", "Z", "R", "P", "Y"),
+    add("--config", type=Path, metavar="TEXT", help="Configuration of palpated: its mesh and the guess of the pose")
+    add("--mesh", type=Path, metavar="TEXT", help="Instead: mesh in m, .msh (Gmsh 2.2, 4.1), .stl or .obj")
+    add("--box", type=_Number(1e-3, 10), nargs=3, metavar=("FLOAT",) * 3, help="Instead: box with a corner in O, edges in m")
+    add("--touches", type=Path, metavar="TEXT", help="CSV of touched points")
+    add("--cloud", type=Path, metavar="TEXT", help="Points that a camera sees: .ply, .pcd, .xyz or .npy")
+    add("--guess", type=_COORDINATE, nargs=6, metavar=("FLOAT",) * 6,
         help="Pose of the mesh in W: position of O, m, roll, pitch, yaw, degrees")  # fmt: skip
-    add("--guess-range", type=float, nargs=2, default=[0.05, 20.0], metavar=("M", "DEG"), action=_Range,
-        help="How far the object may be from the guess: each axis of its centre, and the angle (default: 0.05 20)")  # fmt: skip
+    add("--guess-range", type=float, nargs=2, default=[0.05, 20.0], metavar=("FLOAT", "FLOAT"), action=_Range,
+        help="How far the object may be from the guess: each axis of its centre, m, and the angle, degrees (default: 0.05 20)")  # fmt: skip
     add("--no-guess", action="store_true", help="Search all poses, whatever the configuration states")
-    add("--deviation", type=_DEVIATION, default=3e-4, metavar="M",
-        help="Standard deviation of each axis of a touched point, independent (default: 0.0003)")  # fmt: skip
-    add("--normal-deviation", type=_ANGLE, default=10.0, metavar="DEG",
-        help="Of each of the two angles of a normal (default: 10)")  # fmt: skip
-    add("--common-deviation", type=_Number(0, 0.1), default=0.0, metavar="M",
-        help="Of each axis of a shift that all touches have in common (default: 0)")  # fmt: skip
-    add("--probe-radius", type=_Number(0, 0.1), default=0.0, metavar="M", help="Of the probe's tip (default: 0)")
-    add("--cloud-deviation", type=_DEVIATION, default=1e-3, metavar="M",
-        help="Standard deviation of a point of the cloud along the surface's normal (default: 0.001)")  # fmt: skip
-    add("--camera-deviation", type=float, nargs=2, default=[0.02, 2.0], metavar=("M", "DEG"), action=_Range,
-        help="Of the camera's error: each axis of a shift of the cloud, and of a rotation (default: 0.02 2)")  # fmt: skip
-    add("--table", type=_COORDINATE, metavar="Z", help="Height in W below which nothing is touched, m; no touch is then from below")
-    add("--next", type=_Number(0, 20, whole=True), default=3, metavar="N", help="Number of touches to propose (default: 3)")
+    add("--deviation", type=_DEVIATION, default=3e-4, metavar="FLOAT",
+        help="Standard deviation of each axis of a touched point, m, independent (default: 0.0003)")  # fmt: skip
+    add("--normal-deviation", type=_ANGLE, default=10.0, metavar="FLOAT",
+        help="Of each of the two angles of a normal, degrees (default: 10)")  # fmt: skip
+    add("--common-deviation", type=_Number(0, 0.1), default=0.0, metavar="FLOAT",
+        help="Of each axis of a shift that all touches have in common, m (default: 0)")  # fmt: skip
+    add("--probe-radius", type=_Number(0, 0.1), default=0.0, metavar="FLOAT", help="Of the probe's tip, m (default: 0)")
+    add("--cloud-deviation", type=_DEVIATION, default=1e-3, metavar="FLOAT",
+        help="Standard deviation of a point of the cloud along the surface's normal, m (default: 0.001)")  # fmt: skip
+    add("--camera-deviation", type=float, nargs=2, default=[0.02, 2.0], metavar=("FLOAT", "FLOAT"), action=_Range,
+        help="Of the camera's error: each axis of a shift of the cloud, m, and of a rotation, degrees (default: 0.02 2)")  # fmt: skip
+    add("--table", type=_COORDINATE, metavar="FLOAT", help="Height in W below which nothing is touched, m; nor is anything steeply from below")
+    add("--next", type=_Number(0, 20, whole=True), default=3, metavar="INT", help="Number of touches to propose (default: 3)")
     add("--next-for", choices=("pose", "position"), default="pose", help="What they should determine (default: pose)")
-    add("--starts", type=_Number(10, 100000, whole=True), metavar="N",
+    add("--starts", type=_Number(10, 100000, whole=True), metavar="INT",
         help="Starts of the global search (default: 150 with a guess, 400 without)")  # fmt: skip
-    add("--seed", type=_Number(0, 2**31, whole=True), default=0, metavar="N", help="Of the starts (default: 0)")
-    add("--output", type=Path, metavar="FILE", help="YAML with frames.object_in_base and the filter's prior, for palpated")
-    add("--json", metavar="FILE", help="All results as JSON; - for the standard output")
-    add("--picture", type=Path, metavar="FILE", help="PNG of points, mesh and proposed touch")
+    add("--seed", type=_Number(0, 2**31, whole=True), default=0, metavar="INT", help="Of the starts (default: 0)")
+    add("--output", type=Path, metavar="TEXT", help="YAML with frames.object_in_base and the filter's prior, for palpated")
+    add("--json", metavar="TEXT", help="All results as JSON; - for the standard output")
+    add("--picture", type=Path, metavar="TEXT", help="PNG of points, mesh and proposed touch")
     add("--version", action="store_true", help="Display program version information and exit")
     return made
 

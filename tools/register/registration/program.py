@@ -11,7 +11,6 @@ from typing import Optional
 import numpy as np
 
 from registration.cloud_files import read_cloud
-from registration.command_line import parse
 from registration.configuration import Configuration, read_configuration
 from registration.errors import InputError
 from registration.mesh_files import read_surface
@@ -95,12 +94,8 @@ def run(options: argparse.Namespace, configuration: Optional[Configuration]) -> 
     return 0
 
 
-def main(version: str) -> int:
-    """Of the command line in sys.argv."""
-    options = parse()
-    if options.version:
-        print(version)
-        return 0
+def main(options: argparse.Namespace) -> int:
+    """Of the options; returns the exit code."""
     configuration = None
     try:
         if options.config:
