@@ -17,6 +17,9 @@ Floats = NDArray[np.float64]
 GROSS = 5.0  # standard deviations: beyond it a touch is a gross error
 LEAST_P = 0.01  # probability below which the mesh does not fit
 SCALES = (0.5, 2.0)
+TRIMMED = 0.1  # share of a cloud's distances that is left out
+# Share of the sum of squares of a normal distribution that the others have: 0.9 - 2 z phi(z), z = 1.645.
+KEPT = 0.561
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +52,10 @@ def _chi_square(refined: Refined, observed: Observations, parameters: int) -> tu
     total = float((np.delete(r, gross) ** 2).sum())
     freedom = len(r) - len(gross) - parameters
     if observed.cloud is not None:
-        # Distances beyond 3 deviations, at most a tenth, belong to other things.
-        size = np.sort(np.abs(of_cloud))[: max(1, int(0.9 * len(of_cloud)))]
-        own = size[size < max(3.0 * observed.cloud.deviation / observed.cloud.point_deviation, size[len(size) // 2] * 3)]
-        total += float(own @ own)
-        freedom += min(observed.cloud.independent, len(own))
+        # The largest tenth of the distances may belong to other things.
+        size = np.sort(np.abs(of_cloud))[: max(1, int((1 - TRIMMED) * len(of_cloud)))]
+        total += float(size @ size) / KEPT
+        freedom += min(observed.cloud.independent, len(of_cloud))
     return total, freedom, gross.tolist()
 
 
