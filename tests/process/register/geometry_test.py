@@ -19,7 +19,7 @@ from registration.pose import (Pose, angle_of, covariance_at, difference, from_q
 from registration.residuals import residuals, start_at  # noqa: E402
 from registration.surface import Surface, box_surface  # noqa: E402
 from registration.symmetry import find_symmetries  # noqa: E402
-from registration.triangles import closest_points  # noqa: E402
+from registration.triangles import Triangles  # noqa: E402
 
 BAR, CUBE = box_surface([0.5, 0.06, 0.06]), box_surface([0.06, 0.06, 0.06])
 
@@ -42,7 +42,7 @@ class ClosestPoints(unittest.TestCase):
     def test_none_of_many_places_on_the_triangle_is_nearer(self):
         random = np.random.default_rng(1)
         corners, points = random.normal(size=(200, 3, 3)), 2 * random.normal(size=(200, 3))
-        found = np.linalg.norm(closest_points(points, corners) - points, axis=1)
+        found = np.linalg.norm(Triangles(corners).closest(points, np.arange(200)) - points, axis=1)
         a, b = np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 60))
         inside = a + b <= 1
         weights = np.column_stack([a[inside], b[inside], 1 - a[inside] - b[inside]])

@@ -93,7 +93,7 @@ def parser() -> argparse.ArgumentParser:
     add("--box", type=_Number(1e-3, 10), nargs=3, metavar=("FLOAT",) * 3, help="Instead: box with a corner in O, edges in m")
     add("--touches", type=Path, metavar="TEXT", help="CSV of touched points")
     add("--cloud", type=Path, metavar="TEXT", help="Points that a camera sees: .ply, .pcd, .xyz or .npy")
-    add("--guess", type=_COORDINATE, nargs=6, metavar=("FLOAT",) * 6,
+    add("--guess", type=_Number(-360, 360), nargs=6, metavar=("FLOAT",) * 6,
         help="Pose of the mesh in W: position of O, m, roll, pitch, yaw, degrees")  # fmt: skip
     add("--guess-range", type=float, nargs=2, default=[0.05, 20.0], metavar=("FLOAT", "FLOAT"), action=_Range,
         help="How far the object may be from the guess: each axis of its centre, m, and the angle, degrees (default: 0.05 20)")  # fmt: skip

@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 GROSS = 5.0  # standard deviations: beyond it a touch is a gross error
 LEAST_P = 0.01  # probability below which the mesh does not fit
 SCALES = (0.5, 2.0)
+LEAST_SQUARES = 1e4  # widening of the loss that leaves all weights 1
 TRIMMED = 0.1  # share of a cloud's distances that is left out
 # Share of the sum of squares of a normal distribution that the others have: 0.9 - 2 z phi(z), z = 1.645.
 KEPT = 0.561
@@ -61,23 +62,25 @@ def _chi_square(refined: Refined, observed: Observations, parameters: int) -> tu
 
 def _fit_scale(surface: Surface, refined: Refined, observed: Observations) -> tuple[float, float, Refined]:
     """Scale about the centre, its deviation, and the refinement at that scale."""
-    log_scale, now, at = 0.0, refined, surface
+    # Least squares: at a wrong scale most distances would look like gross errors.
+    log_scale, at = 0.0, surface
+    now = refine(surface, refined.state, observed, widenings=(LEAST_SQUARES,))
     deviation = np.inf
-    for _ in range(8):
+    for _ in range(10):
         n = len(now.at.feet)
         center = now.state.pose.of(surface.center[None])
         J = np.hstack([now.at.J, np.zeros((len(now.at.r), 1))])
         # A foot moves by (foot - centre) per unit of the scale's logarithm.
         J[:n, -1] = np.einsum("ij,ij->i", now.at.J[:n, :3], now.at.feet - center)
-        w = np.where(np.abs(now.at.r) < 2 * GROSS, 1.0, 0.1)
-        H = J.T @ (w[:, None] * J) + 1e-6 * np.eye(J.shape[1])
-        step = float(-np.linalg.solve(H, J.T @ (w * now.at.r))[-1])
+        H = J.T @ J + 1e-6 * np.eye(J.shape[1])
+        step = float(-np.linalg.solve(H, J.T @ now.at.r)[-1])
         deviation = float(np.sqrt(np.linalg.inv(H)[-1, -1]))
         log_scale = float(np.clip(log_scale + np.clip(step, -0.2, 0.2), *np.log(SCALES)))
         at = surface.scaled(np.exp(log_scale))
-        now = refine(at, now.state, observed)
+        now = refine(at, now.state, observed, widenings=(LEAST_SQUARES,))
         if abs(step) < 0.01 * deviation:
             break
+    now = refine(at, now.state, observed, widenings=(3.0, 1.0))
     scale = float(np.exp(log_scale))
     return scale, scale * deviation, now
 

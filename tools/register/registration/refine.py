@@ -70,5 +70,7 @@ def refine(surface: Surface, start: Pose | State, observed: Observations, steps:
                 if damping > 1e6:
                     break
     w = np.where(at.is_robust, robust.weights(at.r), 1.0)
-    information = at.J.T @ (w[:, None] * at.J) + WEAK**2 * np.eye(at.J.shape[1])
+    J = at.J.copy()
+    J[: len(at.J_inside), :6] = at.J_inside
+    information = J.T @ (w[:, None] * J) + WEAK**2 * np.eye(J.shape[1])
     return Refined(state, at, cost_of(at), information)

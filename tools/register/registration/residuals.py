@@ -44,6 +44,8 @@ class Residuals:
     J: Floats
     is_robust: NDArray[np.bool_]  # (m,), of distances, which may be gross errors
     feet: Floats  # (k, 3), W, m: closest points of the surface; of touches, then of the cloud
+    # (n, 6), of the touches, from which the information about the pose follows (see `TouchRows`).
+    J_inside: Floats
 
 
 def gradients(points: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
@@ -66,6 +68,9 @@ class TouchRows:
 
     r: Floats  # (n,), normalised distances
     J: Floats  # (n, 6), derivatives by the pose
+    # (n, 6), the same as if each touch lay inside its face. A touch beyond the edge of the face that
+    # its normal names pushes the face there, but does not hold it: it bounds the pose to one side only.
+    J_inside: Floats
     feet: Floats  # (n, 3), W, m, closest points
     normal_r: Floats  # (2 k,), of the k touches with a normal
     normal_J: Floats  # (2 k, 6)
@@ -78,12 +83,12 @@ def touch_rows(surface: Surface, pose: Pose, touches: Touches) -> TouchRows:
     feet_W, normals_W = pose.of(feet), surface.normals[chosen] @ pose.R.T
     distance, g = gradients(touches.points, feet_W, normals_W)
     arm = feet_W - pose.of(surface.center[None])
-    J = -np.hstack([g, np.cross(arm, g)])
+    J, J_inside = (-np.hstack([d, np.cross(arm, d)]) / touches.deviation[:, None] for d in (g, normals_W))
     across, n = touches.across, normals_W[has]
     # d(R n) = w x (R n), so that e . d(R n) = ((R n) x e) . w.
     turns = np.cross(n[:, None], across).reshape(-1, 3)
     normal_J = np.hstack([np.zeros_like(turns), turns])
-    return TouchRows((distance - touches.radius) / touches.deviation, J / touches.deviation[:, None], feet_W,
+    return TouchRows((distance - touches.radius) / touches.deviation, J, J_inside, feet_W,
                      np.einsum("kij,kj->ki", across, n).ravel() / touches.normal_deviation,
                      normal_J / touches.normal_deviation)  # fmt: skip
 
@@ -132,4 +137,4 @@ def residuals(surface: Surface, state: State, observed: Observations) -> Residua
         r = np.concatenate([state.shift, vector_of(state.turn)]) / deviation
         add(r, np.hstack([np.zeros((6, 6)), np.diag(1 / deviation)]), False)
     r, J, robust = (np.concatenate(columns) for columns in zip(*parts))
-    return Residuals(r, J, robust, np.concatenate(all_feet))
+    return Residuals(r, J, robust, np.concatenate(all_feet), touched.J_inside)

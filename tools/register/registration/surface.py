@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from registration.triangles import closest_points
+from registration.triangles import Triangles
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,7 +42,8 @@ class Surface:
             corners, self.volume = corners[:, ::-1], -self.volume
         self.nodes, self.triangles = nodes, triangles[keep]
         self.corners, self.areas = corners[keep], 0.5 * double[keep]
-        self.normals = normals[keep] / double[keep, None]
+        self._of_points = Triangles(self.corners)
+        self.normals = self._of_points.normals
         self.center: Floats = volumes @ corners.sum(axis=1) / 4 / self.volume  # of the volume, m
         self.largest_side = float(self.sides.max())
         self._middles = self.corners.mean(axis=1)
@@ -68,7 +69,7 @@ class Surface:
             lists = self._tree.query_ball_point(points, radius)
             rows = np.repeat(np.arange(len(points)), [len(found) for found in lists])
             chosen = np.concatenate([np.asarray(found, np.int64) for found in lists])
-        at = closest_points(points[rows], self.corners[chosen])
+        at = self._of_points.closest(points[rows], chosen)
         way = points[rows] - at
         score = np.linalg.norm(way, axis=1)
         facing = np.abs(np.einsum("ij,ij->i", way, self.normals[chosen]))
