@@ -68,7 +68,7 @@ class Rays(unittest.TestCase):
 class Goals(unittest.TestCase):
     def results(self, error):
         random = np.random.default_rng(2)
-        deviation = np.array([2e-4] * 3 + [3e-3] * 3)
+        deviation = np.array([1.5e-4] * 3 + [3e-3] * 3)
         drawn = error * deviation * random.normal(size=(50, 6))
         return [{"error": e.tolist(), "deviation": deviation.tolist(), "absolute": e.tolist(), "bound": (deviation**2).tolist(),
                  "misses": 0, "fits": True} for e in drawn]  # fmt: skip

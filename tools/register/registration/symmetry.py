@@ -76,7 +76,8 @@ def _candidate_axes(surface: Surface) -> Floats:
     points, of = surface.samples(4000)
     points = points - surface.center
     principal = np.linalg.eigh(points.T @ points)[1].T
-    found = [axis for axis in principal]
+    # Exact ones first: an axis that is near an earlier one is left out.
+    found: list[Floats] = []
     # Faces: normals by their area, the largest first.
     normals, areas = surface.normals, surface.areas.copy()
     for _ in range(12):
@@ -87,6 +88,7 @@ def _candidate_axes(surface: Surface) -> Floats:
         if areas[group].sum() > 0.02 * surface.areas.sum():
             found.append(normals[i])
         areas[group] = 0
+    faces = found[:]
     # Corners: what is farthest from the centre.
     nodes = np.unique(np.round(surface.corners.reshape(-1, 3), 9), axis=0) - surface.center
     size = np.linalg.norm(nodes, axis=1)
@@ -94,8 +96,8 @@ def _candidate_axes(surface: Surface) -> Floats:
     if len(far) <= 24:
         found += list(far)
         found += [a + b for i, a in enumerate(far) for b in far[:i] if np.linalg.norm(a + b) > 0.3 * size.max()]
-    faces = found[3 : 3 + 12]
     found += [a + b for i, a in enumerate(faces) for b in faces[:i] if np.linalg.norm(a + b) > 0.3]
+    found += list(principal)
     unique: list[Floats] = []
     for axis in found:
         axis = axis / np.linalg.norm(axis)
