@@ -151,6 +151,20 @@ function(palpate_program name)
   palpate_install_program(${name})
 endfunction()
 
+# A program in Python: palpate_<folder>.command in the current folder. Its modules stay in the source
+# tree, or go to share/palpate/tools; the program finds them.
+function(palpate_python_program PROGRAM)
+  get_filename_component(FOLDER ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+  set(program ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/${PROGRAM})
+  configure_file(${CMAKE_SOURCE_DIR}/tools/common/python_program.in ${program} @ONLY)
+  file(CHMOD ${program} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
+    WORLD_READ WORLD_EXECUTE)
+  set_property(GLOBAL APPEND PROPERTY PALPATE_PROGRAMS_tools ${PROGRAM})
+  install(PROGRAMS ${program} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+  install(DIRECTORY palpate_${FOLDER} DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate/tools/${FOLDER}
+    COMPONENT tools PATTERN __pycache__ EXCLUDE)
+endfunction()
+
 # Every .cpp of the folder `dir` (below the current one) becomes the test program
 # <label>_<dir with underscores>, linked to `DEPENDS`; each of its tests is a ctest of that label.
 function(palpate_test dir)

@@ -13,24 +13,26 @@ import unittest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 BINARIES, SOURCE = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
-sys.path[:0] = [str(SOURCE / "tools/register")]
+sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("register", "common")]
 
 import numpy as np  # noqa: E402
 
-from registration.cloud_files import read_cloud  # noqa: E402
-from registration.configuration import read_configuration  # noqa: E402
-from registration.errors import InputError  # noqa: E402
-from registration.mesh_files import read_surface  # noqa: E402
-from registration.pose import Pose, difference, from_quaternion, rotation  # noqa: E402
-from registration.surface import box_surface  # noqa: E402
-from registration.touch_file import read_touches  # noqa: E402
+from palpate_register.cloud_files import read_cloud  # noqa: E402
+from palpate_register.configuration import read_configuration  # noqa: E402
+from palpate_common.section import SectionError  # noqa: E402
+from palpate_register.errors import InputError  # noqa: E402
+from palpate_register.mesh_files import read_surface  # noqa: E402
+from palpate_common.rotations import exp_rotation, from_wxyz  # noqa: E402
+from palpate_register.pose import Pose, difference  # noqa: E402
+from palpate_register.surface import box_surface  # noqa: E402
+from palpate_register.touch_file import read_touches  # noqa: E402
 
-PROGRAM = SOURCE / "tools/register/palpate-register"
+PROGRAM = BINARIES / "palpate-register"
 EXAMPLE = SOURCE / "rt/config/examples/bar_long_soft.yaml"
 FILTER = SOURCE / "rt/config/examples/bar_long_soft_unmeasured_table.yaml"
 BAR = box_surface([0.5, 0.06, 0.06])
 # Of the example, moved by 20 mm and 5 degrees.
-POSE = Pose(rotation([0, 0, np.pi]) @ rotation([0.05, 0.06, 0.03]), np.array([1.37, 0.045, 0.29]))
+POSE = Pose(exp_rotation([0, 0, np.pi]) @ exp_rotation([0.05, 0.06, 0.03]), np.array([1.37, 0.045, 0.29]))
 
 
 def run(*words):
@@ -70,7 +72,7 @@ class Program(Case):
                 self.assertIn(words, done.stdout)
             self.assertEqual((self.folder / "fit.png").read_bytes()[:4], b"\x89PNG")
             found = json.loads((self.folder / "all.json").read_text())
-            pose = Pose(from_quaternion(found["object_in_base"]["quaternion"]), np.array(found["object_in_base"]["position"]))
+            pose = Pose(from_wxyz(found["object_in_base"]["quaternion"]), np.array(found["object_in_base"]["position"]))
             step = difference(pose, POSE, BAR.center)
             self.assertLess(np.linalg.norm(step[:3]), 1e-3)
             self.assertLess(np.linalg.norm(step[3:]), np.radians(1.5))
@@ -108,7 +110,7 @@ class Program(Case):
         wrong.write_text(f"base: {EXAMPLE}\nobject:\n  mesh: {{box: {{size: [0.5, 0.06]}}}}\n")
         done = run("--config", wrong, "--touches", self.touches())
         self.assertEqual(done.returncode, 78)
-        self.assertIn("wrong.yaml:3: object.mesh.box.size: [0.5, 0.06]; allowed: 3 numbers, 0.001 to 10", done.stderr)
+        self.assertIn("wrong.yaml:3: object.mesh.box.size: [0.5, 0.06]; allowed: 3 numbers from 0.001 to 10", done.stderr)
 
 
 class Files(Case):

@@ -13,12 +13,12 @@ import unittest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 SOURCE = pathlib.Path(sys.argv[2]).resolve()
 PROGRAM = SOURCE / "tools/lab/register/measure_registration"
-sys.path[:0] = [str(SOURCE / "tools/register"), str(PROGRAM.parent)]
+sys.path[:0] = [str(SOURCE / "tools/register"), str(SOURCE / "tools/common"), str(PROGRAM.parent)]
 
 import numpy as np  # noqa: E402
 
 from goals import text_of  # noqa: E402
-from registration.pose import rotation  # noqa: E402
+from palpate_common.rotations import exp_rotation  # noqa: E402
 from simulated_box import Box  # noqa: E402
 
 
@@ -47,7 +47,7 @@ class Study(unittest.TestCase):
 class Rays(unittest.TestCase):
     def test_hits_are_where_steps_along_the_ray_first_lie_inside(self):
         random = np.random.default_rng(1)
-        box = Box(np.array([0.3, 0.2, 0.1]), rotation([0.4, 0.3, -0.2]), np.array([0.1, 0.2, 0.3]))
+        box = Box(np.array([0.3, 0.2, 0.1]), exp_rotation([0.4, 0.3, -0.2]), np.array([0.1, 0.2, 0.3]))
         steps = np.linspace(0, 1.5, 15001)
         hits = 0
         for _ in range(60):

@@ -13,13 +13,13 @@ import numpy as np
 from palpate_calibrate import plan_output, report, section_output
 from palpate_calibrate.configuration import Configuration, read_configuration
 from palpate_calibrate.fit import Options, fit_wrist
-from palpate_calibrate.help_format import Parser
 from palpate_calibrate.log_input import read_logs
 from palpate_calibrate.plan import Room, plan_poses
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
 from palpate_calibrate.residual_plot import plot_residuals
-from palpate_calibrate.rotations import from_rpy
-from palpate_calibrate.section import SectionError, read_section
+from palpate_common.command_line import Number, Parser
+from palpate_common.rotations import from_rpy
+from palpate_common.section import SectionError, read_section
 from palpate_calibrate.table_input import read_description
 
 FAILED, WRONG_CONFIGURATION = 1, 78
@@ -49,9 +49,9 @@ CSV files (tools/calibrate/README.md), or one of the presets {' '.join(sorted(f.
 Move the hand through the poses of --plan at 0.3 to 0.5 rad/s for one to two minutes, with quick small turns in between.
 
 Examples:
-  palpate-calibrate wrist --plan --config my_robot.yaml --start 0.6 0 0.5 0 90 0 --plot plan.png
+  palpate-calibrate wrist --plan --config my_robot.yaml --start 0.6 0 0.5 0 90 0 --picture plan.png
   palpate-record --output run.log
-  palpate-calibrate wrist run.log --config my_robot.yaml --output wrist.yaml --plot wrist.png
+  palpate-calibrate wrist run.log --config my_robot.yaml --output wrist.yaml --picture wrist.png
   palpated --config wrist.yaml --check
   palpate-calibrate wrist ft_static_ati --data recordings --json -
 Exit codes: 0   done
@@ -75,16 +75,16 @@ def wrist_parser() -> Parser:
                         help="residuals do not depend on the pose: there are no cables; narrower intervals")  # fmt: skip
     parser.add_argument("--unknown-gravity", action="store_true", help="the direction of gravity in the base is sought, too")
     parser.add_argument("--output", help="file for the YAML that palpated reads")
-    parser.add_argument("--plot", help="file for a picture (PNG): residuals, or the poses of --plan")
+    parser.add_argument("--picture", help="file for a picture (PNG): residuals, or the poses of --plan")
     parser.add_argument("--json", help="file for the results as JSON; - for standard output")
     parser.add_argument("--plan", action="store_true",
                         help="choose poses instead: those that determine the parameters best")  # fmt: skip
     parser.add_argument("--start", type=float, nargs=6,
                         help="of --plan: pose of the flange in the base, x y z in m, roll pitch yaw in degrees")  # fmt: skip
-    parser.add_argument("--poses", type=int, default=12, help="of --plan: number of poses, 4 to 60")
-    parser.add_argument("--tilt", type=float, default=70.0,
+    parser.add_argument("--poses", type=Number(4, 60, whole=True), default=12, help="of --plan: number of poses, 4 to 60")
+    parser.add_argument("--tilt", type=Number(10, 180), default=70.0,
                         help="of --plan: largest rotation from the start, degrees, 10 to 180")  # fmt: skip
-    parser.add_argument("--mass", type=float, default=1.0, help="of --plan: about that of the load, kg, 0.01 to 100")
+    parser.add_argument("--mass", type=Number(0.01, 100), default=1.0, help="of --plan: about that of the load, kg, 0.01 to 100")
     return parser
 
 
@@ -119,16 +119,13 @@ def _read(options: argparse.Namespace, configuration: Optional[Configuration]) -
 def _room(options: argparse.Namespace, configuration: Optional[Configuration]) -> Room:
     start = np.array(options.start[:3])
     lower, upper = start - LARGEST_ROOM, start + LARGEST_ROOM
-    workspace = (configuration.gate if configuration is not None else {}).get("workspace")
-    if workspace:
-        lower = np.maximum(lower, np.array(workspace["lower"], float))
-        upper = np.minimum(upper, np.array(workspace["upper"], float))
-    room = Room(start, from_rpy(np.radians(options.start[3:])), lower, upper, np.radians(options.tilt))
-    if not room.holds(start):
-        file = configuration.file if configuration else "--start"
-        raise SectionError(f"{file}: gate.workspace: the start {start.tolist()} is outside; "
-                           f"allowed: {workspace['lower']} to {workspace['upper']}")  # fmt: skip
-    return room
+    if configuration is not None and configuration.gate.has("workspace"):
+        workspace = configuration.gate.section("workspace")
+        lowest, highest = workspace.numbers("lower", 3, -100, 100), workspace.numbers("upper", 3, -100, 100)
+        if (start < lowest).any() or (start > highest).any():
+            configuration.gate.fail("workspace", f"the start {start.tolist()} is outside; allowed: {lowest} to {highest}")
+        lower, upper = np.maximum(lower, lowest), np.minimum(upper, highest)
+    return Room(start, from_rpy(np.radians(options.start[3:])), lower, upper, np.radians(options.tilt))
 
 
 def _plan(options: argparse.Namespace, configuration: Optional[Configuration]) -> None:
@@ -140,8 +137,8 @@ def _plan(options: argparse.Namespace, configuration: Optional[Configuration]) -
     plan = plan_poses(room, options.poses, options.mass, center, R_ES, gravity)
     if options.output:
         plan_output.write_yaml(plan, Path(options.output))
-    if options.plot:
-        plan_output.plot_plan(plan, room, Path(options.plot))
+    if options.picture:
+        plan_output.plot_plan(plan, room, Path(options.picture))
     if options.json:
         _write_json(plan_output.document(plan), options.json)
     if options.json != "-":
@@ -153,8 +150,8 @@ def _fit(options: argparse.Namespace, configuration: Optional[Configuration]) ->
     fit = fit_wrist(recording, mounting, Options(options.drift, not options.no_pose_errors, is_tilted))
     if options.output:
         section_output.write_section(fit, Path(options.output), configuration)
-    if options.plot:
-        plot_residuals(fit, Path(options.plot))
+    if options.picture:
+        plot_residuals(fit, Path(options.picture))
     if options.json:
         _write_json(report.summary(fit), options.json)
     if options.json != "-":
@@ -168,9 +165,6 @@ def wrist(words: list[str]) -> None:
         parser.error("a recording, or --plan without one, is required")
     if options.plan and options.start is None:
         parser.error("--plan: --start is required")
-    for name, lower, upper in (("poses", 4, 60), ("tilt", 10, 180), ("mass", 0.01, 100)):
-        if not lower <= getattr(options, name) <= upper:
-            parser.error(f"--{name}: {getattr(options, name)}; allowed: {lower} to {upper}")
     configuration = read_configuration(Path(options.config), options.arm) if options.config else None
     (_plan if options.plan else _fit)(options, configuration)
 

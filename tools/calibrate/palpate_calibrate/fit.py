@@ -10,7 +10,7 @@ from palpate_calibrate.motion import LARGEST_DELAY, Motion
 from palpate_calibrate.noise_model import Deviations, Group, Information, Kernels
 from palpate_calibrate.parameters import BLOCKS, Block, WristParameters, point_inertia
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
-from palpate_calibrate.rotations import Array
+from palpate_common.rotations import Array
 from palpate_calibrate.start import start_values
 from palpate_calibrate.wrist_model import predict
 

@@ -7,7 +7,7 @@ from typing import Sequence
 import numpy as np
 
 from palpate_calibrate.recording import Recording, RecordingError, Stream
-from palpate_calibrate.rotations import Array, from_wxyz
+from palpate_common.rotations import Array, from_wxyz
 
 
 def channel_of(name: str, arm: int) -> str:
@@ -17,8 +17,10 @@ def channel_of(name: str, arm: int) -> str:
 
 def read_logs(paths: Sequence[str], arm: int, clock: str, gravity: Array) -> Recording:
     """`clock`: "received", that of the recording computer, or "sent", those of the senders. Raises RecordingError."""
-    import palpate
-
+    try:
+        import palpate
+    except ImportError as error:
+        raise RecordingError(f"LCM logs need the Python package palpate: {error}; remedy: apt-get install python3-palpate") from error
     try:
         log = palpate.read_log(*paths, clock=clock)
     except (OSError, ValueError) as error:

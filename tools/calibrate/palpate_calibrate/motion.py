@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from palpate_calibrate.recording import Recording, RecordingError, Stream
-from palpate_calibrate.rotations import Array, cross, to_wxyz
+from palpate_common.rotations import Array, cross, to_wxyz
 from palpate_calibrate.smoothing import REACH, smooth, spline
 
 FIRST_DEVIATION = 0.02  # s, of the kernel that is applied to the poses before they are differentiated

@@ -18,7 +18,7 @@ from scipy.linalg import cho_factor, cholesky, solve_triangular
 from scipy.optimize import minimize
 
 from palpate_calibrate.motion import Motion
-from palpate_calibrate.rotations import Array
+from palpate_common.rotations import Array
 
 LENGTH = 0.8  # m
 ANGLE = 2.0  # rad

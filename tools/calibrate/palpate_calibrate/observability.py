@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate_calibrate.fit import WristFit
 from palpate_calibrate.quantities import FROM_DRAWING, is_determined
-from palpate_calibrate.rotations import Array
+from palpate_common.rotations import Array
 
 SHARE = 0.5  # of the largest component of a weak direction, above which a parameter is named with it
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate_calibrate.rotations import Array, exp_rotation
+from palpate_common.rotations import Array, exp_rotation
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from palpate_calibrate.plan import Plan, Room
-from palpate_calibrate.rotations import to_rpy
+from palpate_common.rotations import to_rpy
 
 _SHOWN = {"mass": ("mass", "kg", 1), "moment": ("center_of_mass", "mm", 1e3),
           "sensor_rotation": ("sensor_rotation", "deg", np.degrees(1)),

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from palpate_calibrate.fit import WristFit
-from palpate_calibrate.rotations import Array, to_rpy
+from palpate_common.rotations import Array, to_rpy
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Optional
 
 import numpy as np
 
-from palpate_calibrate.rotations import Array
+from palpate_common.rotations import Array
 
 
 class RecordingError(Exception):

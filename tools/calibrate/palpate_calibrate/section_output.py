@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, Optional
 
@@ -11,7 +12,7 @@ import yaml
 from palpate_calibrate.configuration import Configuration
 from palpate_calibrate.fit import WristFit
 from palpate_calibrate.quantities import deviations, is_determined
-from palpate_calibrate.rotations import Array, to_rpy
+from palpate_common.rotations import Array, to_rpy
 
 # Smallest deviation that is written for the delay: palpated's own sampling is not better known.
 SMALLEST_LAG_DEVIATION = 0.5  # ms
@@ -43,7 +44,19 @@ def frames(fit: WristFit, configuration: Optional[Configuration]) -> dict[str, A
                 of = configuration.mounting
                 position = of.sensor_position if key == "sensor_in_flange" else of.imu_position
             section[key] = {"position": _numbers(position, 6), "rpy_deg": _numbers(np.degrees(to_rpy(rotation)), 4)}
+            if configuration is not None and configuration.frames.optional(key).has("quaternion"):
+                section[key]["quaternion"] = None  # the base's own notation would contradict
     return section
+
+
+def _rebased(value: Any, old: Path, new: Path) -> Any:
+    """The same with names of files relative to folder `new` instead of `old`."""
+    if isinstance(value, dict):
+        return {key: _rebased(entry, old, new) for key, entry in value.items()}
+    if isinstance(value, list):
+        return [_rebased(entry, old, new) for entry in value]
+    is_file = isinstance(value, str) and not Path(value).is_absolute() and (old / value).is_file()
+    return os.path.relpath(old.resolve() / value, new) if is_file else value
 
 
 def write_section(fit: WristFit, file: Path, configuration: Optional[Configuration]) -> None:
@@ -51,8 +64,9 @@ def write_section(fit: WristFit, file: Path, configuration: Optional[Configurati
     document: dict[str, Any] = {}
     sensing: list[dict[str, Any]] = [{"name": "wrist", "component": "ft_newton_euler"}]
     if configuration is not None:
-        document["base"] = str(configuration.file.resolve())
-        sensing = configuration.sensing
+        folder = file.resolve().parent
+        document["base"] = os.path.relpath(configuration.file.resolve(), folder)
+        sensing = _rebased(configuration.sensing, configuration.sensing_folder, folder)
     found = frames(fit, configuration)
     where = document if configuration is None or configuration.arm == 0 else document.setdefault("second_arm", {})
     if found:

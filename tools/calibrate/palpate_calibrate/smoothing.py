@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from palpate_calibrate.recording import RecordingError, Stream
-from palpate_calibrate.rotations import Array
+from palpate_common.rotations import Array
 
 REACH = 4.0  # of the kernel, standard deviations
 

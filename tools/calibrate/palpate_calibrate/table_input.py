@@ -11,8 +11,8 @@ from typing import Any, Optional
 import numpy as np
 
 from palpate_calibrate.recording import Mounting, Recording, RecordingError, Stream
-from palpate_calibrate.rotations import Array, exp_rotation, from_rpy, from_wxyz
-from palpate_calibrate.section import Section
+from palpate_common.rotations import Array, exp_rotation, from_rpy, from_wxyz
+from palpate_common.section import Section
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 ACCELERATION_UNITS = {"m/s^2": 1.0, "g": 9.80665}

@@ -7,7 +7,7 @@ import numpy as np
 
 from palpate_calibrate.motion import Motion, MotionSample
 from palpate_calibrate.parameters import WristParameters
-from palpate_calibrate.rotations import Array, cross, exp_rotation
+from palpate_common.rotations import Array, cross, exp_rotation
 
 WRENCH_GROUPS = ("force", "torque")
 INERTIAL_GROUPS = ("acceleration", "angular_velocity")

@@ -7,14 +7,15 @@ from typing import Any, Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from registration.information import cramer_rao
-from registration.next_touch import Reach
-from registration.observations import Cloud, Guess, Observations, Touches
-from registration.pose import Pose, difference, rotation
-from registration.register import Registration, register
-from registration.session import Session
-from registration.surface import box_surface
-from registration.symmetry import Symmetries
+from palpate_register.information import cramer_rao
+from palpate_register.next_touch import Reach
+from palpate_register.observations import Cloud, Guess, Observations, Touches
+from palpate_common.rotations import exp_rotation
+from palpate_register.pose import Pose, difference
+from palpate_register.register import Registration, register
+from palpate_register.session import Session
+from palpate_register.surface import box_surface
+from palpate_register.symmetry import Symmetries
 from simulated_box import Box
 
 Floats = NDArray[np.float64]
@@ -41,7 +42,7 @@ class SetUp:
         pose = Pose(np.eye(3), GUESS_CENTER - self.surface.center)
         self.guess = Guess(pose, POSITION_RANGE, ANGLE_RANGE)
         axis = self.random.normal(size=3)
-        R = rotation(self.random.uniform(0, ANGLE_RANGE) * axis / np.linalg.norm(axis))
+        R = exp_rotation(self.random.uniform(0, ANGLE_RANGE) * axis / np.linalg.norm(axis))
         center = GUESS_CENTER + self.random.uniform(-POSITION_RANGE, POSITION_RANGE, 3)
         self.truth = Pose(R, center - R @ self.surface.center)
         self.box = Box(OBJECTS[name], R, self.truth.p)
@@ -63,7 +64,7 @@ class SetUp:
                 foot, normal = met
                 self.feet.append(foot)
                 self.normals.append(normal)
-                error = rotation(np.cross(normal, NORMAL * self.random.normal(size=3)))
+                error = exp_rotation(np.cross(normal, NORMAL * self.random.normal(size=3)))
                 session.add(foot + self.shift + TOUCH * self.random.normal(size=3), error @ normal)
                 return
         raise RuntimeError("no guarded motion met the object")
@@ -75,7 +76,7 @@ class SetUp:
         points = self.box.seen(camera, GUESS_CENTER, self.random)
         axis = self.random.normal(size=3)
         shift = CAMERA * axis / np.linalg.norm(axis)
-        turn = rotation(CAMERA_ANGLE * self.random.normal(size=3))
+        turn = exp_rotation(CAMERA_ANGLE * self.random.normal(size=3))
         middle = points.mean(axis=0)
         return Cloud(middle + shift + (points - middle) @ turn.T)
 

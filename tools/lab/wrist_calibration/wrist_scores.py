@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-SOURCE = Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(SOURCE / "tools/calibrate")]
+TOOLS = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TOOLS / "calibrate"), str(TOOLS / "common")]
 
 import simulated_wrist as simulated
 from palpate_calibrate.fit import Options, fit_wrist
 from palpate_calibrate.quantities import deviations
 from palpate_calibrate.recording import Mounting, Recording, Stream
-from palpate_calibrate.rotations import log_rotation
+from palpate_common.rotations import log_rotation
 
 # 95 % of the draws within: share, m, degrees, s
 GOALS = {"mass": (0.006, "%", 100), "center": (0.6e-3, "mm", 1e3), "sensor_rotation": (np.radians(0.3), "deg", np.degrees(1)),

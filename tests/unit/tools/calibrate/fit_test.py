@@ -10,7 +10,7 @@ from palpate_calibrate.fit import Options, fit_wrist
 from palpate_calibrate.observability import weaknesses
 from palpate_calibrate.quantities import deviations, is_determined
 from palpate_calibrate.recording import Mounting, RecordingError
-from palpate_calibrate.rotations import exp_rotation, log_rotation
+from palpate_common.rotations import exp_rotation, log_rotation
 
 MASS, CENTER = 1.3, np.array([0.01, -0.02, 0.08])
 BIAS = np.array([2, -1, 3, 0.1, -0.05, 0.02])

@@ -6,12 +6,12 @@ import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 SOURCE = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"])
-sys.path[:0] = [str(SOURCE / "tools/calibrate"), str(SOURCE / "tools/lab/wrist_calibration")]
+sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("calibrate", "common", "lab/wrist_calibration")]
 
 import numpy as np  # noqa: E402
 
 from palpate_calibrate.recording import Recording, Stream  # noqa: E402
-from palpate_calibrate.rotations import exp_rotation  # noqa: E402
+from palpate_common.rotations import exp_rotation  # noqa: E402
 
 GRAVITY = np.array([0, 0, -9.81])
 

@@ -1,0 +1,1 @@
+"""What the set-up programs in Python share: rotations, YAML sections and command lines."""

@@ -1,0 +1,76 @@
+"""Robust refinement of a pose by Levenberg and Marquardt's method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate_register import robust
+from palpate_register.observations import Observations
+from palpate_register.pose import Pose
+from palpate_register.residuals import Residuals, State, residuals, start_at
+from palpate_register.surface import Surface
+
+Floats = NDArray[np.float64]
+WIDENINGS = (10.0, 3.0, 1.0)  # of the robust loss, so that gross errors of the start are followed
+WEAK = 1e-3  # 1/m or 1/rad: information without which undetermined directions are not finite
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Where the refinement ended."""
+
+    state: State
+    at: Residuals
+    cost: float  # robust loss of all residuals
+    information: Floats  # (6 or 12, 6 or 12), inverse covariance of the step of `State`
+
+    @property
+    def covariance(self) -> Floats:
+        """(6, 6), of (position of the centre, m; rotation, rad), in W."""
+        result: Floats = np.linalg.inv(self.information)[:6, :6]
+        return result
+
+
+def cost_of(at: Residuals, widening: float = 1.0) -> float:
+    """Robust loss of distances and normals, and half the squares of the priors."""
+    hard = at.r[~at.is_robust]
+    of_distances = robust.loss(at.r[at.is_robust] / widening).sum() * widening**2
+    return float(of_distances + 0.5 * hard @ hard)
+
+
+def refine(surface: Surface, start: Pose | State, observed: Observations, steps: int = 30,
+           widenings: tuple[float, ...] = WIDENINGS) -> Refined:  # fmt: skip
+    """From a start within the pose's basin to the least robust loss.
+
+    Reweighted least squares with the damping of Marquardt 1963; closest points and weights are
+    found again in each step, as in the iterative closest point method (Besl and McKay 1992), with
+    distances along the gradient (Chen and Medioni 1992).
+    """
+    state = start_at(start) if isinstance(start, Pose) else start
+    for widening in widenings:
+        damping = 1e-4
+        at = residuals(surface, state, observed)
+        cost = cost_of(at, widening)
+        for _ in range(steps):
+            w = np.where(at.is_robust, robust.weights(at.r / widening), 1.0)
+            H, g = at.J.T @ (w[:, None] * at.J), at.J.T @ (w * at.r)
+            step = -np.linalg.solve(H + np.diag(damping * np.diag(H) + WEAK**2), g)
+            tried = state.stepped(step, surface.center)
+            there = residuals(surface, tried, observed)
+            new = cost_of(there, widening)
+            if new < cost:
+                gained, state, at, cost, damping = cost - new, tried, there, new, max(1e-9, 0.2 * damping)
+                if gained < 1e-6 * (1 + cost):
+                    break
+            else:
+                damping *= 8
+                if damping > 1e6:
+                    break
+    w = np.where(at.is_robust, robust.weights(at.r), 1.0)
+    J = at.J.copy()
+    J[: len(at.J_inside), :6] = at.J_inside
+    information = J.T @ (w[:, None] * J) + WEAK**2 * np.eye(J.shape[1])
+    return Refined(state, at, cost_of(at), information)
