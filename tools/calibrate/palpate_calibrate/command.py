@@ -33,7 +33,7 @@ Subcommands:
   wrist                       Load, bias and mounting of a wrist's force-torque sensor and inertial unit, and their delays
 
 Example:
-  palpate-calibrate wrist run.log --config my_robot.yaml --output wrist.yaml
+  palpate-calibrate wrist run.control.lcmlog --config my_robot.yaml --output wrist.yaml
 Exit codes: 0   done
             1   an error, or a recording that cannot be used
             64  wrong command line
@@ -50,8 +50,8 @@ Move the hand through the poses of --plan at 0.3 to 0.5 rad/s for one to two min
 
 Examples:
   palpate-calibrate wrist --plan --config my_robot.yaml --start 0.6 0 0.5 0 90 0 --picture plan.png
-  palpate-record --output run.log
-  palpate-calibrate wrist run.log --config my_robot.yaml --output wrist.yaml --picture wrist.png
+  palpate-record --seconds 100 run
+  palpate-calibrate wrist run.control.lcmlog --config my_robot.yaml --output wrist.yaml --picture wrist.png
   palpated --config wrist.yaml --check
   palpate-calibrate wrist ft_static_ati --data recordings --json -
 Exit codes: 0   done
