@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
-from palpate_calibrate.motion import LARGEST_DELAY, Motion
+from palpate_calibrate.motion import LARGEST_DELAY, Motion, MotionSample
 from palpate_calibrate.noise_model import Deviations, Group, Information, Kernels
 from palpate_calibrate.parameters import BLOCKS, Block, WristParameters, point_inertia
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
 from palpate_common.rotations import Array
 from palpate_calibrate.start import start_values
-from palpate_calibrate.wrist_model import predict
+from palpate_calibrate.wrist_model import load_wrench, predict
 
 SMALLEST_STEP = 0.02  # standard deviations; the iteration ends below it
 MOST_STEPS = 12
-ROUNDS = 2  # of the covariance and the weights
+ROUNDS = 3  # of the covariance and the weights
 FEWEST_POSES = 4
 # Prior deviation of the inertia about that of a point mass at the centre: mass times the square of this radius.
 GYRATION = 0.3  # m
@@ -81,6 +82,8 @@ def _blocks(signals: dict[str, Array], motion: Motion, options: Options, mountin
         left_out |= {"sensor_rotation"}
     if motion.at_rest:
         left_out |= {"force_hysteresis", "torque_hysteresis"}
+    if motion.at_rest or not options.pose_errors:
+        left_out |= {"cable_stiffness", "cable_torsion"}
     if not options.gravity_tilt:
         left_out |= {"gravity_tilt"}
     if "acceleration" not in signals:
@@ -159,6 +162,10 @@ def _solve(prior: Information, groups: list[Group], ordinary: bool) -> tuple[Arr
     return inverse @ total.vector, covariance
 
 
+def _load(parameters: WristParameters, gravity: Array, sample: MotionSample) -> Array:
+    return np.hstack(load_wrench(parameters, sample, gravity))
+
+
 def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Options()) -> WristFit:
     """Raises RecordingError where the recording is too short or holds too few poses."""
     if recording.at_rest and len(recording.pose.time) < FEWEST_POSES:
@@ -174,15 +181,18 @@ def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Optio
     problem = _Problem(motion, signals, recording.gravity, blocks, start, _prior(blocks, mounting, start))
     parameters = start
 
-    kernels = Kernels(motion)
     parts = 3 if options.pose_errors else 2 if options.drift == "walk" else 1
     ordinary = options.weights == "ordinary" or (options.weights == "auto" and recording.at_rest)
     groups = {}
     for name, residuals in problem.residuals(parameters).items():
         size = max(1.4826 * float(np.median(np.abs(residuals))), 1e-9)
+        kernels = Kernels(motion, motion.rotation_WE @ (start.R_ES if name in ("force", "torque") else start.R_EI))
         groups[name] = Group(kernels, Deviations(size, 0, 0, kernels.shortest), parts)
     steps = 0
     for turn in range(ROUNDS + 1):
+        if turn > 0:
+            motion.update_directions(partial(_load, parameters, recording.gravity), parameters.wrench_delay, polarity,
+                                     np.concatenate([parameters.force_hysteresis, parameters.torque_hysteresis]))  # fmt: skip
         for _ in range(MOST_STEPS):
             steps += 1
             residuals, derivatives = problem.residuals(parameters), problem.derivatives(parameters)
@@ -201,7 +211,8 @@ def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Optio
         for name, group in groups.items():
             if turn == 0:
                 size = max(float(np.sqrt((residuals[name] ** 2).mean())), 1e-9)
-                group.deviations = Deviations(size, size / 2 * (parts > 1), size / 2 * (parts > 2), 4 * kernels.shortest)
+                group.deviations = Deviations(size, size / 2 * (parts > 1), size / 2 * (parts > 2),
+                                              4 * group.kernels.shortest)
             group.estimate(_sum([prior] + [g.information() for other, g in groups.items() if other != name]))
             if turn > 0:
                 group.update_weights()

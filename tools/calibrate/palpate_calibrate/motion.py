@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Callable
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from palpate_calibrate.recording import Recording, RecordingError, Stream
-from palpate_common.rotations import Array, cross, to_wxyz
+from palpate_common.rotations import Array, cross, log_rotation, to_wxyz
 from palpate_calibrate.smoothing import REACH, smooth, spline
 
 FIRST_DEVIATION = 0.02  # s, of the kernel that is applied to the poses before they are differentiated
@@ -16,6 +17,8 @@ DEVIATION = 0.06  # s, of the kernel that is applied to every signal: 3 dB at 2.
 LARGEST_DELAY = 0.15  # s, of a stream relative to the pose, of either sign
 STEP = 0.02  # s, of the table of motions
 SHORTEST = 3.0  # s
+REST_DEVIATION = 0.3  # s, of the kernel that is applied to what the load does not explain
+LEAST_LAG = 1e-5  # smallest amplitude of hysteresis, as a share of a reading's range
 SLOW = 0.05  # rate of a reading, as a share of its root mean square, below which its direction is unclear
 
 
@@ -45,6 +48,7 @@ class Motion:
             self.time = recording.pose.time
             self.position, self.rotation_WE = recording.pose.values[:, :3], rotations
             zero = np.zeros_like(self.position)
+            self.travel = self.turn = zero
             self.directions = np.zeros((len(self.time), 6))
             self._still = MotionSample(zero, zero, zero, np.zeros_like(rotations), np.swapaxes(rotations, 1, 2))
             return
@@ -60,8 +64,17 @@ class Motion:
         self._table(recording.pose, rotations, begin - LARGEST_DELAY, end + LARGEST_DELAY)
         self.position = self._positions(self.time)
         self.rotation_WE = np.swapaxes(self.at(0.0).rotation_EW, 1, 2)
-        # Of each axis of the wrench: 1 where its reading rises, -1 where it falls, averaged as the signals are.
-        self.directions = self._directions(recording.wrench)
+        # From the first pose, in W: translation and rotation vector, m and rad.
+        self.travel = self.position - self.position[0]
+        self.turn = np.array([log_rotation(R @ self.rotation_WE[0].T) for R in self.rotation_WE])
+        self._fine = np.arange(self.time[0] - REACH * DEVIATION, self.time[-1] + REACH * DEVIATION, STEP)
+        self._wrench = smooth(recording.wrench, self._fine, FIRST_DEVIATION)
+        self._lag = np.zeros_like(self._wrench)  # N and N m, by the latest estimate
+        # Of each axis of the wrench: by how much of the hysteresis' amplitude the reading lags, -1 to 1, averaged as the
+        # signals are. Until the load is known: 1 where the reading rises, -1 where it falls.
+        rate = np.gradient(self._wrench, STEP, axis=0)
+        unclear = SLOW * np.maximum(np.sqrt((rate**2).mean(axis=0)), 1e-12)
+        self.directions = self._averaged(np.tanh(rate / unclear))
 
     def _table(self, pose: Stream, rotations: Array, begin: float, end: float) -> None:
         """Splines of what at() returns, from poses smoothed once before and once after differentiation."""
@@ -88,17 +101,31 @@ class Motion:
         self._motions = spline(fine, gaussian_filter1d(table, second / STEP, axis=0, truncate=REACH))
         self._positions = position
 
-    def _directions(self, wrench: Stream) -> Array:
-        fine = np.arange(self.time[0] - REACH * DEVIATION, self.time[-1] + REACH * DEVIATION, STEP)
-        rate = np.gradient(smooth(wrench, fine, FIRST_DEVIATION), STEP, axis=0)
-        unclear = SLOW * np.maximum(np.sqrt((rate**2).mean(axis=0)), 1e-12)
-        averaged = gaussian_filter1d(np.tanh(rate / unclear), DEVIATION / STEP, axis=0, truncate=REACH)
-        return np.asarray(spline(fine, averaged)(self.time))
+    def _averaged(self, fine: Array) -> Array:
+        averaged = gaussian_filter1d(fine, DEVIATION / STEP, axis=0, truncate=REACH)
+        return np.asarray(spline(self._fine, averaged)(self.time))
+
+    def update_directions(self, load: Callable[[MotionSample], Array], delay: float, polarity: int, amplitude: Array) -> None:
+        """`load`: wrench of the load in a motion, (n, 6). A reading follows the wrench only once that has turned back by
+        twice the amplitude, (6,) (play, Krasnosel'skii and Pokrovskii 1989). What the load does not explain is taken from
+        the readings, but for its quick part, in which they lag."""
+        if self.at_rest:
+            return
+        explained = load(self._at(self._fine, delay))
+        rest = gaussian_filter1d(polarity * self._wrench + self._lag - explained, REST_DEVIATION / STEP, axis=0)
+        wrench = explained + rest
+        half = np.maximum(np.abs(amplitude), LEAST_LAG * np.ptp(wrench, axis=0) + 1e-12)
+        reading = wrench.copy()
+        for i in range(1, len(wrench)):
+            reading[i] = np.clip(reading[i - 1], wrench[i] - half, wrench[i] + half)
+        self._lag = wrench - reading
+        self.directions = self._averaged(self._lag / half)
 
     def at(self, delay: float) -> MotionSample:
-        if self.at_rest:
-            return self._still
-        table = self._motions(self.time - delay)
+        return self._still if self.at_rest else self._at(self.time, delay)
+
+    def _at(self, time: Array, delay: float) -> MotionSample:
+        table = self._motions(time - delay)
         products, rotation_EW = (table[:, k : k + 9].reshape(-1, 3, 3) for k in (9, 18))
         return MotionSample(table[:, :3], table[:, 3:6], table[:, 6:9], products, rotation_EW)
 

@@ -6,7 +6,7 @@ Williams 2006), the deviations of which maximise the restricted likelihood (Patt
 
   white  independent from sample to sample
   slow   exp(-|ti - tj| / time)
-  pose   exp(-d^2 / 2), d the distance of two poses, in units of LENGTH and ANGLE
+  pose   exp(-d^2 / 2 reach^2) between axes of W, d the distance of two poses, in units of LENGTH and ANGLE
 """
 
 from __future__ import annotations
@@ -22,36 +22,46 @@ from palpate_common.rotations import Array
 
 LENGTH = 0.8  # m
 ANGLE = 2.0  # rad
+SHORTEST_REACH, LONGEST_REACH = 0.5, 4.0  # between which the distance of the pose part is estimated
 FLOOR = 1e-3  # smallest deviation of slow and pose, as a share of the white one at the start
 OUTLIER = 3.5  # deviations beyond which the weight of a sample falls (Huber)
 
 
 @dataclass
 class Deviations:
-    """Standard deviations of one group, in its unit, and the time over which the slow part is alike, s."""
+    """Standard deviations of one group, in its unit, the time over which the slow part is alike, s, and the distance over
+    which the pose part is, in units of LENGTH and ANGLE."""
 
     white: float
     slow: float
     pose: float
     time: float
+    reach: float = 1.0
 
 
 class Kernels:
-    """Matrices between the samples of a motion."""
+    """Matrices between the samples of a motion, each of three axes in a frame of its own: R_W, (n, 3, 3), maps to W."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: Motion, R_W: Array) -> None:
         turns = motion.rotation_WE.reshape(len(motion.time), 9)
         self.apart = np.abs(motion.time[:, None] - motion.time[None, :])
         square = ((turns[:, None] - turns[None]) ** 2).sum(axis=2) / (2 * ANGLE**2)
         square += ((motion.position[:, None] - motion.position[None]) ** 2).sum(axis=2) / LENGTH**2
-        self.pose = np.exp(-0.5 * square)
+        self._square = square
+        n = len(motion.time)
+        self._frames = np.einsum("ika,jkb->iajb", R_W, R_W).reshape(3 * n, 3 * n)
         steps = np.diff(motion.time)
         self.shortest = 2.0 * float(np.median(steps)) if steps.size else 1.0
         self.longest = max(2.0 * self.shortest, 0.5 * float(self.apart.max()))
 
     def covariance(self, d: Deviations, weights: Array) -> Array:
-        c = d.slow**2 * np.exp(-self.apart / d.time) + d.pose**2 * self.pose
-        c[np.diag_indices_from(c)] += d.white**2 / weights
+        """Of the axes of all samples, (3 n, 3 n), sample by sample."""
+        alike = d.pose**2 * np.exp(-0.5 * self._square / d.reach**2)
+        c = self._frames * np.repeat(np.repeat(alike, 3, axis=0), 3, axis=1)
+        slow = d.slow**2 * np.exp(-self.apart / d.time)
+        for axis in range(3):
+            c[axis::3, axis::3] += slow
+        c[np.diag_indices_from(c)] += np.repeat(d.white**2 / weights, 3)
         return c
 
 
@@ -75,14 +85,12 @@ class Group:
         n, _, count = derivatives.shape
         self.used = np.flatnonzero(np.abs(derivatives).max(axis=(0, 1)) > 0)
         self.count = count
-        self._columns = np.hstack([residuals, derivatives[:, :, self.used].reshape(n, -1)])
+        self._columns = np.hstack([residuals.reshape(3 * n, 1), derivatives[:, :, self.used].reshape(3 * n, -1)])
 
     def _whitened(self, d: Deviations) -> tuple[Array, Array, float]:
         factor = cholesky(self.kernels.covariance(d, self.weights), lower=True, check_finite=False)
         white = solve_triangular(factor, self._columns, lower=True, check_finite=False)
-        n = len(white)
-        residuals, derivatives = white[:, :3].reshape(-1), white[:, 3:].reshape(n * 3, -1)
-        return residuals, derivatives, 2.0 * float(np.log(np.diag(factor)).sum())
+        return white[:, 0], white[:, 1:], 2.0 * float(np.log(np.diag(factor)).sum())
 
     def information(self, d: Deviations | None = None) -> Information:
         """Of all parameters, about the current values."""
@@ -96,18 +104,14 @@ class Group:
         """The same for samples weighted as if they were independent, with the covariance of the vector, which allows
         for their correlation: the two parts of the sandwich (White 1980)."""
         d = self.deviations
-        weight = (self.weights / (d.white**2 + d.slow**2 + d.pose**2))[:, None, None]
-        n = len(self._columns)
-        residuals = self._columns[:, :3].reshape(n, 3, 1)
-        derivatives = self._columns[:, 3:].reshape(n, 3, -1)
-        weighted = weight * derivatives
+        residuals, derivatives = self._columns[:, 0], self._columns[:, 1:]
+        weighted = np.repeat(self.weights / (d.white**2 + d.slow**2 + d.pose**2), 3)[:, None] * derivatives
         matrix, spread = np.zeros((2, self.count, self.count))
         vector = np.zeros(self.count)
         some = np.ix_(self.used, self.used)
-        matrix[some] = np.einsum("naj,nak->jk", weighted, derivatives)
-        vector[self.used] = (weighted * residuals).sum(axis=(0, 1))
-        covariance = self.kernels.covariance(d, self.weights)
-        spread[some] = sum(weighted[:, a].T @ covariance @ weighted[:, a] for a in range(3))
+        matrix[some] = weighted.T @ derivatives
+        vector[self.used] = weighted.T @ residuals
+        spread[some] = weighted.T @ self.kernels.covariance(d, self.weights) @ weighted
         return Information(matrix, vector), spread
 
     def estimate(self, others: Information) -> None:
@@ -115,14 +119,15 @@ class Group:
         first = self.deviations
         floor, ceiling = FLOOR * first.white, 30 * (first.white + first.slow + first.pose)
         # White, slow, its time, pose.
-        lower = np.log([1e-2 * first.white, floor, self.kernels.shortest, floor])
-        upper = np.log([ceiling, ceiling, self.kernels.longest, ceiling])
-        at = np.clip(np.log(np.maximum([first.white, first.slow, first.time, first.pose], 1e-300)), lower, upper)
-        free = (1, 3, 4)[self.parts - 1]
+        lower = np.log([1e-2 * first.white, floor, self.kernels.shortest, floor, SHORTEST_REACH])
+        upper = np.log([ceiling, ceiling, self.kernels.longest, ceiling, LONGEST_REACH])
+        start = [first.white, first.slow, first.time, first.pose, first.reach]
+        at = np.clip(np.log(np.maximum(start, 1e-300)), lower, upper)
+        free = (1, 3, 5)[self.parts - 1]
 
         def deviations(some: Array) -> Deviations:
-            white, slow, time, pose = np.exp(np.concatenate([some, at[free:]]))
-            return Deviations(white, slow if self.parts > 1 else 0.0, pose if self.parts > 2 else 0.0, time)
+            white, slow, time, pose, reach = np.exp(np.concatenate([some, at[free:]]))
+            return Deviations(white, slow if self.parts > 1 else 0.0, pose if self.parts > 2 else 0.0, time, reach)
 
         def objective(some: Array) -> float:
             residuals, derivatives, log_determinant = self._whitened(deviations(some))
@@ -133,7 +138,7 @@ class Group:
             factor = cho_factor(matrix * np.outer(scale, scale), lower=True, check_finite=False)[0]
             solved = solve_triangular(factor, scale * vector, lower=True, check_finite=False)
             of_parameters = 2 * np.log(np.diag(factor)).sum() - 2 * np.log(scale).sum()
-            return float(3 * log_determinant + residuals @ residuals - solved @ solved + of_parameters)
+            return float(log_determinant + residuals @ residuals - solved @ solved + of_parameters)
 
         done = minimize(objective, at[:free], method="L-BFGS-B", bounds=list(zip(lower, upper))[:free],
                         options={"maxiter": 15, "eps": 1e-3})  # fmt: skip
@@ -142,5 +147,5 @@ class Group:
     def update_weights(self) -> None:
         """Reduces the weight of samples whose residual, given all others, is larger than OUTLIER deviations."""
         inverse = np.linalg.inv(self.kernels.covariance(self.deviations, np.ones(len(self.weights))))
-        size = np.abs(inverse @ self._columns[:, :3]) / np.sqrt(np.diag(inverse))[:, None]
-        self.weights = np.minimum(1.0, (OUTLIER / np.maximum(size.max(axis=1), 1e-12)) ** 2)
+        size = (np.abs(inverse @ self._columns[:, 0]) / np.sqrt(np.diag(inverse))).reshape(-1, 3).max(axis=1)
+        self.weights = np.minimum(1.0, (OUTLIER / np.maximum(size, 1e-12)) ** 2)

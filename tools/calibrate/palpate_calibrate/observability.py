@@ -22,6 +22,8 @@ _ADVICE = {
     "torque_drift": "return to the first pose at the end",
     "force_hysteresis": "record while moving, with turns to and fro of 0.2 rad/s or more",
     "torque_hysteresis": "record while moving, with turns to and fro of 0.2 rad/s or more",
+    "cable_stiffness": "move the flange by 0.2 m or more, along the vertical, too",
+    "cable_torsion": "turn the hand about the vertical, too",
     "sensor_rotation": "turn the hand about two axes at an angle to each other; about one axis does not suffice",
     "gravity_tilt": "turn the hand about two axes at an angle to each other",
     "wrench_delay": "record while moving, with turns to and fro of 0.2 rad/s or more",

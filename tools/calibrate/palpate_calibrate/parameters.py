@@ -45,6 +45,8 @@ BLOCKS = (
     Block("torque_drift", _xyz("torque_drift"), "N m", 1),
     Block("force_hysteresis", _xyz("force_hysteresis"), "N", 0.1),
     Block("torque_hysteresis", _xyz("torque_hysteresis"), "N m", 5e-3),
+    Block("cable_stiffness", ("cable_stiffness",), "N/m", 20),
+    Block("cable_torsion", ("cable_torsion",), "N m/rad", 0.5),
     Block("sensor_rotation", _xyz("sensor_rotation"), "rad", 0.5),
     Block("sensor_position", _xyz("sensor_position"), "m", 0),
     Block("gravity_tilt", ("gravity_tilt_x", "gravity_tilt_y"), "rad", 1),
@@ -76,6 +78,8 @@ class WristParameters:
     torque_drift: Array = _zeros(3)  # N m
     force_hysteresis: Array = _zeros(3)  # by which a rising reading is too low, and a falling one too high, N
     torque_hysteresis: Array = _zeros(3)  # N m
+    cable_stiffness: float = 0.0  # N/m, of a spring from the first place of the flange, alike in all directions
+    cable_torsion: float = 0.0  # N m/rad, of a spring from its first orientation, alike about all axes
     R_ES: Array = field(default_factory=lambda: np.eye(3))
     sensor_position: Array = _zeros(3)  # p_ES, m
     gravity_tilt: Array = _zeros(2)  # rotation of gravity about two horizontal axes of W, rad

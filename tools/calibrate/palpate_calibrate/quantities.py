@@ -33,6 +33,8 @@ _PLAIN = (
     ("torque_drift", "torque_drift", "N m", 1),
     ("force_hysteresis", "force_hysteresis", "N", 1),
     ("torque_hysteresis", "torque_hysteresis", "N m", 1),
+    ("cable_stiffness", "cable_stiffness", "N/m", 1),
+    ("cable_torsion", "cable_torsion", "N m/rad", 1),
     ("sensor_rotation", "sensor_rotation", "deg", np.degrees(1)),
     ("gravity_tilt", "gravity_tilt", "deg", np.degrees(1)),
     ("wrench_delay", "wrench_delay", "ms", 1e3),

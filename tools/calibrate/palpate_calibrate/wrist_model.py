@@ -43,18 +43,25 @@ def _gyroscopic(products: Array, inertia: Array) -> Array:
     return np.stack([m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1]], axis=1)
 
 
-def predict_wrench(parameters: WristParameters, motion: Motion, gravity_W: Array) -> tuple[Array, Array]:
-    """Force and torque at the grid's times, N and N m, (n, 3) each."""
-    sample = motion.at(parameters.wrench_delay)
+def load_wrench(parameters: WristParameters, sample: MotionSample, gravity_W: Array) -> tuple[Array, Array]:
+    """Force and torque of the load alone, N and N m, (n, 3) each."""
     R_ES, mc = parameters.R_ES, parameters.moment
     f = _at_point(sample, gravity_of(parameters, gravity_W), parameters.sensor_position) @ R_ES
     alpha, products = sample.angular_acceleration @ R_ES, R_ES.T @ sample.rate_products @ R_ES
     xx, xy, xz, yy, yz, zz = parameters.inertia
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return (parameters.mass * f + cross(alpha, mc) + _centripetal(products, mc),
+            cross(mc, f) + alpha @ inertia + _gyroscopic(products, inertia))  # fmt: skip
+
+
+def predict_wrench(parameters: WristParameters, motion: Motion, gravity_W: Array) -> tuple[Array, Array]:
+    """Force and torque at the grid's times, N and N m, (n, 3) each."""
+    force, torque = load_wrench(parameters, motion.at(parameters.wrench_delay), gravity_W)
     span = motion.time[-1] - motion.time[0]
-    phase = ((motion.time - motion.time[0]) / span - 0.5)[:, None] if span > 0 else np.zeros((len(f), 1))
-    force = parameters.mass * f + cross(alpha, mc) + _centripetal(products, mc)
-    torque = cross(mc, f) + alpha @ inertia + _gyroscopic(products, inertia)
+    phase = ((motion.time - motion.time[0]) / span - 0.5)[:, None] if span > 0 else np.zeros((len(force), 1))
+    R_SW = np.swapaxes(motion.rotation_WE @ parameters.R_ES, 1, 2)
+    force = force + np.einsum("nij,nj->ni", R_SW, parameters.cable_stiffness * motion.travel)
+    torque = torque + np.einsum("nij,nj->ni", R_SW, parameters.cable_torsion * motion.turn)
     force = force + parameters.force_bias + phase * parameters.force_drift
     torque = torque + parameters.torque_bias + phase * parameters.torque_drift
     return (force - motion.directions[:, :3] * parameters.force_hysteresis,
