@@ -16,11 +16,19 @@ using Eigen::Matrix3Xd;
 constexpr int kLookPeriod = 4;
 constexpr int kTanglePeriod = 16;   // steps between checks for inverted elements
 constexpr int kMeasurePeriod = 10;  // steps between measurements of the contraction of corrections
+constexpr int kForesight = 40;      // steps until a requested factor is in use
+
+/// Where points strike an obstacle whose compliances are not known yet they penetrate, and are then
+/// pushed out: a dynamic body gains energy.
+SolverOptions with_foresight(SolverOptions options, bool dynamic) {
+  if (dynamic) options.contact.foresight = kForesight;
+  return options;
+}
 
 }  // namespace
 
 CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Mechanics mechanics)
-    : options_(options),
+    : options_(with_foresight(options, mechanics == Mechanics::kDynamic)),
       dynamic_(mechanics == Mechanics::kDynamic),
       body_(std::move(body), options_.orders),
       boundary_(body_),

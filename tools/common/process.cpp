@@ -132,7 +132,10 @@ int run_to_end(const std::vector<std::string>& command, const std::filesystem::p
   const auto end = after(timeout);
   while (Clock::now() < end) {
     throw_if_interrupted();
-    if (const auto code = process.wait(0.05)) return *code;
+    if (const auto code = process.wait(0.05)) {
+      throw_if_interrupted();  // Ctrl-C reaches the program, too, which then ends early with 0
+      return *code;
+    }
   }
   throw std::runtime_error(command.at(0) + " did not end within " +
                            std::to_string(static_cast<int>(timeout)) + " s");

@@ -14,6 +14,7 @@ constexpr double kRenewal = 0.125;
 // A step is expected to move points by no more than this multiple of the last step's motion; where
 // it does, look_ahead() completes the points.
 constexpr double kExpected = 4;
+constexpr double kSpeedChange = 1.5;  // of the reach, beyond which points are listed again
 
 bool is_before(const SurfaceContact& a, const SurfaceContact& b) noexcept {
   return a.sample != b.sample ? a.sample < b.sample : a.obstacle < b.obstacle;
@@ -42,7 +43,8 @@ ContactList::ContactList(const NumberedBody& body, const BoundaryConditions& bou
       options_(options),
       obstacles_(options.obstacles),
       samples_(samples),
-      search_(samples, obstacles_, options.reach, options.skin),
+      search_(samples, obstacles_, options.foresight > 0 ? options.farthest : options.reach,
+              options.skin),
       x_listed_(body.rest),
       x_begin_(body.rest) {
   for (const mesh::PointWeights& sample : samples_) {
@@ -102,8 +104,14 @@ void ContactList::place(int obstacle, const collision::Placement& placement) noe
   moved.place(placement);
 }
 
-/// Sets contacts_ to the points within reach and those under force.
-void ContactList::collect(const NodalField& x) noexcept {
+/// Distance below which points are listed while no point moves by more than `step` m in a step.
+double ContactList::reach_at(double step) const noexcept {
+  return std::max(options_.reach,
+                  std::min(options_.reach + options_.foresight * step, options_.farthest));
+}
+
+/// Sets contacts_ to the points within `reach` m and those under force.
+void ContactList::collect(const NodalField& x, double reach) noexcept {
   found_.clear();
   auto known = contacts_.begin();
   for (const Candidate& candidate : search_.find(x.topRows<3>())) {
@@ -118,7 +126,7 @@ void ContactList::collect(const NodalField& x) noexcept {
     if (is_known) contact = *known;
     evaluate(contact, x);
     contact.gap_when_listed = contact.gap;
-    if (contact.gap <= options_.reach || contact.presses()) found_.push_back(contact);
+    if (contact.gap <= reach || contact.presses()) found_.push_back(contact);
   }
   omitted_ = std::max(0, static_cast<int>(found_.size()) - options_.most);
   if (omitted_ > 0) {
@@ -134,6 +142,7 @@ void ContactList::collect(const NodalField& x) noexcept {
   x_listed_ = x;
   held_listed_ = boundary_.held();
   listed_ = true;
+  reach_ = reach;
 }
 
 /// Sets close_ to the points under force and those that a motion of `ahead` m since they were
@@ -153,9 +162,11 @@ void ContactList::select(double ahead) noexcept {
 void ContactList::begin_step(const NodalField& x) noexcept {
   const double step = travel(x, x_begin_);
   double moved = travel(x, x_listed_);
-  const bool is_stale = !(moved <= kRenewal * options_.reach) || held_listed_ != boundary_.held();
-  if (!listed_ || is_stale) {
-    collect(x);
+  const double reach = reach_at(step);
+  const bool has_speed_changed = reach > kSpeedChange * reach_ || reach_ > kSpeedChange * reach;
+  const bool is_stale = !(moved <= kRenewal * reach_) || held_listed_ != boundary_.held();
+  if (!listed_ || is_stale || has_speed_changed) {
+    collect(x, reach);
     moved = 0;
   }
   x_begin_ = x;

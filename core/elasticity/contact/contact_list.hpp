@@ -12,8 +12,8 @@ namespace palpate::elasticity {
 /// Points of the surface within reach of obstacles, and those of them that can touch one in a step.
 /// Distances change by no more than points move, so that a point whose gap exceeds the largest
 /// motion since it was listed is neither evaluated nor considered; the list is renewed after a
-/// motion of a fraction of the reach, and when an obstacle has moved. Nothing allocates after
-/// construction.
+/// motion of a fraction of the reach, when an obstacle has moved, and when the speed has changed.
+/// Nothing allocates after construction.
 class ContactList {
  public:
   /// All must outlive this object. `samples`: in the solver's numbering.
@@ -49,7 +49,8 @@ class ContactList {
   void restore(const std::vector<SurfaceContact>& contacts) noexcept;
 
  private:
-  void collect(const NodalField& x) noexcept;
+  void collect(const NodalField& x, double reach) noexcept;
+  double reach_at(double step) const noexcept;
   void select(double ahead) noexcept;
   double travel(const NodalField& x, const NodalField& from) const noexcept;
 
@@ -66,6 +67,7 @@ class ContactList {
   NodalField x_listed_, x_begin_;  // m, when the points were listed; at the beginning of the step
   factor::Held held_listed_{false, false};
   bool listed_ = false;
+  double reach_ = 0;  // m, distance below which points were listed
   double ahead_ = 0;  // m, motion for which close_ is complete
   int omitted_ = 0;
 };

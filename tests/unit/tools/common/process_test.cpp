@@ -6,6 +6,8 @@
 #include <fstream>
 #include <thread>
 
+#include "tools/common/interruption.hpp"
+
 namespace palpate::common {
 namespace {
 
@@ -41,6 +43,20 @@ class ProcessTest : public testing::Test {
 TEST_F(ProcessTest, OutputAndExitCodeAreKept) {
   EXPECT_EQ(run_to_end({"sh", "-c", "echo one; echo two >&2; echo three; exit 7"}, output_, 20), 7);
   EXPECT_EQ(tail(output_, 2), "two\nthree\n");
+}
+
+TEST_F(ProcessTest, AProgramThatEndsBecauseOfAnInterruptionHasNotDoneItsWork) {
+  EXPECT_EXIT(
+      {
+        catch_interruptions();
+        try {
+          run_to_end({"sh", "-c", "kill -INT $PPID; exit 0"}, output_, 20);
+        } catch (const Interrupted&) {
+          _exit(3);
+        }
+        _exit(0);
+      },
+      testing::ExitedWithCode(3), "");
 }
 
 TEST_F(ProcessTest, ProgramThatIsAbsentIsAnError) {
