@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from palpate_calibrate.freedom import degrees_of_freedom
 from palpate_calibrate.motion import LARGEST_DELAY, Motion, MotionSample
 from palpate_calibrate.noise_model import Deviations, Group, Information, Kernels
 from palpate_calibrate.parameters import BLOCKS, Block, WristParameters, point_inertia
@@ -48,7 +49,7 @@ class WristFit:
     residuals: dict[str, Array]  # measured minus model, (n, 3) each
     deviations: dict[str, Deviations]
     outliers: int  # samples with reduced weight
-    freedom: int  # numbers measured, less the parameters
+    freedom: Array  # of the variance of each increment, for Student's distribution
     options: Options
     recording: Recording
     iterations: int = 0
@@ -221,7 +222,10 @@ def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Optio
             raise RecordingError(f"{recording.name}: the delay of {name} is {delay:.3f} s; allowed: {-LARGEST_DELAY} to "
                                  f"{LARGEST_DELAY} s; are the clocks of the streams the same?")  # fmt: skip
     outliers = int(sum((group.weights < 0.5).sum() for group in groups.values()))
-    freedom = max(3 * len(motion.time) * len(groups) - len(problem.prior), 3)
+    most = max(3.0 * len(motion.time) * len(groups) - len(problem.prior), 3.0)
+    freedom = np.full(len(problem.prior), most)
+    if not ordinary:
+        freedom = degrees_of_freedom(list(groups.values()), problem.prior_information(parameters), most)
     return WristFit(parameters, blocks, covariance, problem.prior, polarity, motion, signals, residuals,
                     {name: group.deviations for name, group in groups.items()}, outliers, freedom, options, recording,
                     steps)  # fmt: skip

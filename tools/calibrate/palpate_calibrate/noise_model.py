@@ -22,7 +22,7 @@ from palpate_common.rotations import Array
 
 LENGTH = 0.8  # m
 ANGLE = 2.0  # rad
-SHORTEST_REACH, LONGEST_REACH = 0.5, 4.0  # between which the distance of the pose part is estimated
+SHORTEST_REACH, LONGEST_REACH = 0.5, 10.0  # between which the distance of the pose part is estimated
 FLOOR = 1e-3  # smallest deviation of slow and pose, as a share of the white one at the start
 OUTLIER = 3.5  # deviations beyond which the weight of a sample falls (Huber)
 
@@ -114,6 +114,19 @@ class Group:
         spread[some] = weighted.T @ self.kernels.covariance(d, self.weights) @ weighted
         return Information(matrix, vector), spread
 
+    def likelihood(self, others: Information, d: Deviations) -> float:
+        """-2 times the logarithm of the restricted likelihood but for a constant, given what the other groups and the
+        prior say."""
+        residuals, derivatives, log_determinant = self._whitened(d)
+        matrix, vector = others.matrix.copy(), others.vector.copy()
+        matrix[np.ix_(self.used, self.used)] += derivatives.T @ derivatives
+        vector[self.used] += derivatives.T @ residuals
+        scale = 1 / np.sqrt(np.diag(matrix))
+        factor = cho_factor(matrix * np.outer(scale, scale), lower=True, check_finite=False)[0]
+        solved = solve_triangular(factor, scale * vector, lower=True, check_finite=False)
+        of_parameters = 2 * np.log(np.diag(factor)).sum() - 2 * np.log(scale).sum()
+        return float(log_determinant + residuals @ residuals - solved @ solved + of_parameters)
+
     def estimate(self, others: Information) -> None:
         """Deviations of the largest restricted likelihood, given what the other groups and the prior say."""
         first = self.deviations
@@ -129,18 +142,7 @@ class Group:
             white, slow, time, pose, reach = np.exp(np.concatenate([some, at[free:]]))
             return Deviations(white, slow if self.parts > 1 else 0.0, pose if self.parts > 2 else 0.0, time, reach)
 
-        def objective(some: Array) -> float:
-            residuals, derivatives, log_determinant = self._whitened(deviations(some))
-            matrix, vector = others.matrix.copy(), others.vector.copy()
-            matrix[np.ix_(self.used, self.used)] += derivatives.T @ derivatives
-            vector[self.used] += derivatives.T @ residuals
-            scale = 1 / np.sqrt(np.diag(matrix))
-            factor = cho_factor(matrix * np.outer(scale, scale), lower=True, check_finite=False)[0]
-            solved = solve_triangular(factor, scale * vector, lower=True, check_finite=False)
-            of_parameters = 2 * np.log(np.diag(factor)).sum() - 2 * np.log(scale).sum()
-            return float(log_determinant + residuals @ residuals - solved @ solved + of_parameters)
-
-        done = minimize(objective, at[:free], method="L-BFGS-B", bounds=list(zip(lower, upper))[:free],
+        done = minimize(lambda some: self.likelihood(others, deviations(some)), at[:free], method="L-BFGS-B", bounds=list(zip(lower, upper))[:free],
                         options={"maxiter": 15, "eps": 1e-3})  # fmt: skip
         self.deviations = deviations(done.x)
 

@@ -61,6 +61,11 @@ def deviations(fit: WristFit, block: str) -> Array:
     return np.asarray(np.sqrt(np.diag(derivative @ fit.covariance[np.ix_(together, together)] @ derivative.T)))
 
 
+def half_widths(fit: WristFit, block: str) -> Array:
+    """Of the 95 % intervals of a block's entries, by Student's distribution."""
+    return np.asarray(stdtrit(fit.freedom[fit.rows[block]], 0.975) * deviations(fit, block))
+
+
 def is_determined(fit: WristFit, block: str) -> Array:
     """Of each entry, whether the recording determines it: its deviation has fallen, and a mass exceeds its interval."""
     rows = fit.rows[block]
@@ -82,7 +87,6 @@ def _values(fit: WristFit, block: str) -> Array:
 def quantities(fit: WristFit) -> list[Quantity]:
     """All results. Rotations are roll, pitch and yaw as in a configuration; their intervals are those of small rotations
     about x, y and z of the sensor. Biases refer to the middle of the recording, drifts are those over it."""
-    wide = float(stdtrit(fit.freedom, 0.975))  # of Student's distribution
     out = []
     for block in fit.blocks:
         if block.name in FROM_DRAWING:
@@ -91,7 +95,7 @@ def quantities(fit: WristFit) -> list[Quantity]:
         ends = [label[len(block.name) :] for label in block.labels]
         if block.name in ("sensor_rotation", "imu_rotation"):
             ends = ["_roll", "_pitch", "_yaw"]
-        entries = zip(ends, _values(fit, block.name), deviations(fit, block.name), is_determined(fit, block.name))
-        for end, value, deviation, known in entries:
-            out.append(Quantity(name + end, float(factor * value), float(factor * wide * deviation), unit, bool(known)))
+        entries = zip(ends, _values(fit, block.name), half_widths(fit, block.name), is_determined(fit, block.name))
+        for end, value, half_width, known in entries:
+            out.append(Quantity(name + end, float(factor * value), float(factor * half_width), unit, bool(known)))
     return out

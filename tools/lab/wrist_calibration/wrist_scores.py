@@ -10,7 +10,7 @@ sys.path[:0] = [str(TOOLS / "calibrate"), str(TOOLS / "common")]
 
 import simulated_wrist as simulated
 from palpate_calibrate.fit import Options, fit_wrist
-from palpate_calibrate.quantities import deviations
+from palpate_calibrate.quantities import half_widths
 from palpate_calibrate.recording import Mounting, Recording, Stream
 from palpate_common.rotations import log_rotation
 
@@ -52,7 +52,7 @@ def score(seed, cables):
     goals = {"mass": abs(errors["mass"][0]) / truth.mass, "center": float(np.linalg.norm(errors["moment"]))}
     goals.update({name: float(np.linalg.norm(errors[name])) for name in GOALS if name in errors and name != "mass"})
     return {"seed": seed, "errors": {name: [float(e) for e in values] for name, values in errors.items()},
-            "half_widths": {name: (1.96 * deviations(fit, name)).tolist() for name in errors}, "goals": goals}
+            "half_widths": {name: half_widths(fit, name).tolist() for name in errors}, "goals": goals}
 
 
 def print_summary(results):
