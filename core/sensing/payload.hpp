@@ -49,35 +49,15 @@ PayloadParameters payload_from_vector(const PayloadVector& vector) noexcept;
 /// Names of the entries of PayloadVector, for messages.
 const char* payload_parameter_name(int index) noexcept;
 
-/// Reading at rest. `time` (any unit) is used only if the bias drifts.
-struct StaticPose {
-  Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
-  math::Wrench F_S;
-  double time = 0;
-};
-
 /// Reading in motion.
 struct MotionSample {
   LoadMotion motion;
   math::Wrench F_S;
-  double time = 0;
-};
-
-struct IdentificationOptions {
-  /// Reduces the weight of outliers (Huber, 1.345 robust standard deviations).
-  bool robust = false;
-  /// Lets the bias drift linearly with time, as for a sensor that warms up.
-  bool bias_drifts = false;
-  /// Combinations of parameters that the data excite less than the best one by more than this
-  /// factor (unit columns) are not identifiable: they are set to the minimum-norm value and
-  /// reported.
-  double condition_limit = 1e4;
 };
 
 struct PayloadFit {
   PayloadParameters parameters;
   PayloadVector deviation = PayloadVector::Zero();  // standard deviations, for independent readings
-  math::Wrench bias_drift;  // per unit of time; parameters.bias refers to time 0
   math::Vector6d residual_rms = math::Vector6d::Zero();  // per axis, N and N m
   double force_rms = 0;                                  // N, RMS of the norm of the residual force
   double torque_rms = 0;                                 // N m
@@ -88,19 +68,9 @@ struct PayloadFit {
       unidentified;  // parameters in combinations that the data do not identify
 };
 
-/// Identifies mass, first moment and bias by least squares; the inertia remains zero. Throws
-/// std::invalid_argument for fewer than four poses or non-finite numbers.
-PayloadFit identify_static(const std::vector<StaticPose>& poses, const Eigen::Vector3d& gravity_W,
-                           const IdentificationOptions& options = {});
-
-/// Direction of gravity in W, unit vector, from readings at rest: for a wall-mounted arm or a base
-/// that is not level. Readings do not distinguish gravity from its opposite for a sensor of the
-/// other polarity: they are taken as the wrench on the load. Throws as identify_static, and if the
-/// poses do not separate the load's weight from the bias.
-Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses);
-
-/// Identifies all ten inertial parameters and the bias. Throws as identify_static.
-PayloadFit identify_motion(const std::vector<MotionSample>& samples,
-                           const IdentificationOptions& options = {});
+/// Identifies all ten inertial parameters and the bias by least squares. Combinations of parameters
+/// that the readings hardly excite are set to the minimum-norm value and reported. Throws
+/// std::invalid_argument for fewer than four readings or non-finite numbers.
+PayloadFit identify_payload(const std::vector<MotionSample>& samples);
 
 }  // namespace palpate::sensing

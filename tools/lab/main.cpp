@@ -18,7 +18,6 @@
 #include "tools/lab/scores/score.hpp"
 #include "tools/lab/sensor_models/emulated_tactile.hpp"
 #include "tools/lab/sensor_models/observer.hpp"
-#include "tools/lab/sensor_models/payload.hpp"
 #include "tools/lab/sensor_models/sensors.hpp"
 #include "tools/lab/sensor_models/tactile.hpp"
 #include "tools/lab/shapes/shapes_command.hpp"
@@ -144,12 +143,6 @@ int run(CLI::App& app, int argc, char** argv) {
       ->check(CLI::ExistingFile);
   score_command->add_option("--json", json, "write the result to this file");
 
-  PayloadOptions payload;
-  CLI::App* payload_command =
-      app.add_subcommand("payload", "payload identified from recordings of arms; residual forces");
-  payload_command->add_option("--data", data, "recordings (default as for demo)");
-  payload_command->add_option("--json", json, "write the result to this file");
-
   TactileOptions tactile;
   CLI::App* tactile_command = app.add_subcommand(
       "tactile", "linear force map fitted to a BioTac; errors of force and contact point");
@@ -237,11 +230,6 @@ int run(CLI::App& app, int argc, char** argv) {
     cost.root = root;
     cost.json = json;
     return run_cycle_cost(cost, std::cout);
-  }
-  if (payload_command->parsed()) {
-    payload.data = data;
-    payload.json = json;
-    return run_payload(payload, std::cout);
   }
   if (tactile_command->parsed()) {
     if (emulated) return run_emulated_tactile(tactile.model, std::cout);

@@ -268,7 +268,7 @@ void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wris
         samples.back().F_S =
             math::Wrench::from(samples.back().F_S.vector() - biases[r].at(wrists[r].time[row(k)]));
       }
-    payload = sensing::identify_motion(samples).parameters;
+    payload = sensing::identify_payload(samples).parameters;
     payload.bias = {};
     biases = fit_biases(plan, wrists, data, payload);
   }

@@ -119,125 +119,9 @@ TEST(LoadRegressor, TimesTheParametersIsTheWrench) {
   }
 }
 
-std::vector<StaticPose> static_poses(const PayloadParameters& payload, int count, double noise,
-                                     math::Random& random) {
-  std::vector<StaticPose> poses;
-  for (int i = 0; i < count; ++i) {
-    StaticPose pose;
-    pose.R_WS = math::exp_rotation(random_vector(random, 2.5));
-    pose.F_S = load_wrench(payload, motion_at_rest(pose.R_WS, kGravity));
-    for (int axis = 0; axis < 3; ++axis) {
-      pose.F_S.force[axis] += noise * random.normal();
-      pose.F_S.torque[axis] += 0.04 * noise * random.normal();
-    }
-    poses.push_back(pose);
-  }
-  return poses;
-}
-
-TEST(IdentifyStatic, RecoversASimulatedHandWithinOnePercent) {
-  math::Random random(3);
-  const PayloadParameters truth = hand();
-  const PayloadFit fit = identify_static(static_poses(truth, 24, 0.025, random), kGravity);
-  EXPECT_NEAR(fit.parameters.mass, truth.mass, 0.01 * truth.mass);
-  EXPECT_LT((fit.parameters.center_of_mass() - truth.center_of_mass()).norm(),
-            0.01 * truth.center_of_mass().norm());
-  EXPECT_LT((fit.parameters.bias.force - truth.bias.force).norm(), 0.01 * truth.bias.force.norm());
-  EXPECT_LT((fit.parameters.bias.torque - truth.bias.torque).norm(),
-            0.01 * truth.bias.torque.norm());
-  EXPECT_TRUE(fit.unidentified.empty());
-  EXPECT_NEAR(fit.force_rms, 0.025 * std::sqrt(3), 0.01);
-}
-
-/// The standard deviations are correct: errors of many trials divided by them have unit variance.
-TEST(IdentifyStatic, DeviationsMatchTheSpreadOfManyTrials) {
-  const PayloadParameters truth = hand();
-  PayloadVector normalised = PayloadVector::Zero();
-  const int trials = 200;
-  for (int trial = 0; trial < trials; ++trial) {
-    math::Random random(100 + trial);
-    const PayloadFit fit = identify_static(static_poses(truth, 20, 0.05, random), kGravity);
-    PayloadVector error = to_vector(fit.parameters) - to_vector(truth);
-    error.segment<6>(4).setZero();
-    for (int i = 0; i < kPayloadParameterCount; ++i)
-      if (fit.deviation[i] > 0) normalised[i] += std::pow(error[i] / fit.deviation[i], 2) / trials;
-  }
-  for (const int i : {0, 1, 2, 3, 10, 11, 12, 13, 14, 15}) {
-    EXPECT_GT(normalised[i], 0.6) << payload_parameter_name(i);
-    EXPECT_LT(normalised[i], 1.6) << payload_parameter_name(i);
-  }
-}
-
-TEST(IdentifyStatic, RobustFitShrugsOffABumpedPose) {
-  math::Random random(4);
-  const PayloadParameters truth = hand();
-  std::vector<StaticPose> poses = static_poses(truth, 24, 0.025, random);
-  poses[5].F_S.force.x() += 15;
-  poses[11].F_S.force.z() -= 20;
-  IdentificationOptions options;
-  const double plain = std::abs(identify_static(poses, kGravity).parameters.mass - truth.mass);
-  options.robust = true;
-  const double robust =
-      std::abs(identify_static(poses, kGravity, options).parameters.mass - truth.mass);
-  EXPECT_LT(robust, 0.01 * truth.mass);
-  EXPECT_LT(robust, plain);
-}
-
-TEST(IdentifyStatic, FollowsABiasThatDrifts) {
-  math::Random random(8);
-  const PayloadParameters truth = hand();
-  std::vector<StaticPose> poses = static_poses(truth, 30, 0.025, random);
-  const Eigen::Vector3d drift(0.02, 0, -0.1);  // N per pose
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i].time = static_cast<double>(i);
-    poses[i].F_S.force += poses[i].time * drift;
-  }
-  EXPECT_GT(identify_static(poses, kGravity).force_rms, 0.5);
-  IdentificationOptions options;
-  options.bias_drifts = true;
-  const PayloadFit fit = identify_static(poses, kGravity, options);
-  EXPECT_NEAR(fit.force_rms, 0.025 * std::sqrt(3), 0.01);
-  EXPECT_LT((fit.bias_drift.force - drift).norm(), 0.005);
-  EXPECT_LT((fit.parameters.bias.force - truth.bias.force).norm(), 0.05);
-  EXPECT_NEAR(fit.parameters.mass, truth.mass, 0.01 * truth.mass);
-}
-
-TEST(EstimateGravityDirection, FindsTheWallThatAnArmHangsOn) {
-  math::Random random(9);
-  const Eigen::Vector3d gravity_W = math::exp_rotation({1.2, -0.7, 0.4}) * kGravity;
-  std::vector<StaticPose> poses = static_poses(hand(), 15, 0, random);
-  for (StaticPose& pose : poses)
-    pose.F_S = load_wrench(hand(), motion_at_rest(pose.R_WS, gravity_W));
-  EXPECT_LT((estimate_gravity_direction(poses) - gravity_W.normalized()).norm(), 1e-10);
-  for (StaticPose& pose : poses) pose.R_WS.setIdentity();
-  EXPECT_THROW(estimate_gravity_direction(poses), std::invalid_argument);
-}
-
-TEST(IdentifyStatic, NamesWhatOneOrientationCannotDetermine) {
-  math::Random random(5);
-  std::vector<StaticPose> poses = static_poses(hand(), 1, 0, random);
-  poses.resize(8, poses.front());
-  for (StaticPose& pose : poses) {
-    pose.R_WS.setIdentity();
-    pose.F_S = load_wrench(hand(), motion_at_rest(pose.R_WS, kGravity));
-  }
-  const PayloadFit fit = identify_static(poses, kGravity);
-  EXPECT_THAT(fit.unidentified, testing::IsSupersetOf({"mass", "bias_fz", "mass*com_z"}));
-  EXPECT_THAT(fit.unidentified, testing::Not(testing::Contains("bias_fx")));
-  EXPECT_LT(fit.force_rms, 1e-9);  // and nevertheless explains every reading
-}
-
-TEST(IdentifyStatic, RefusesTooFewPosesAndNumbersThatAreNotFinite) {
-  math::Random random(6);
-  std::vector<StaticPose> poses = static_poses(hand(), 3, 0, random);
-  EXPECT_THROW(identify_static(poses, kGravity), std::invalid_argument);
-  poses = static_poses(hand(), 6, 0, random);
-  poses[2].F_S.force.x() = NAN;
-  EXPECT_THROW(identify_static(poses, kGravity), std::invalid_argument);
-}
-
-std::vector<MotionSample> motion_samples(const PayloadParameters& payload, bool turning) {
-  math::Random random(7);
+std::vector<MotionSample> motion_samples(const PayloadParameters& payload, bool turning,
+                                         int seed = 7) {
+  math::Random random(seed);
   std::vector<MotionSample> samples;
   for (int i = 0; i < 400; ++i) {
     MotionSample sample;
@@ -257,9 +141,9 @@ std::vector<MotionSample> motion_samples(const PayloadParameters& payload, bool 
   return samples;
 }
 
-TEST(IdentifyMotion, RecoversAllInertialParametersWithinOnePercent) {
+TEST(IdentifyPayload, RecoversAllInertialParametersWithinOnePercent) {
   const PayloadParameters truth = hand();
-  const PayloadFit fit = identify_motion(motion_samples(truth, true));
+  const PayloadFit fit = identify_payload(motion_samples(truth, true));
   EXPECT_NEAR(fit.parameters.mass, truth.mass, 0.01 * truth.mass);
   EXPECT_LT((fit.parameters.center_of_mass() - truth.center_of_mass()).norm(),
             0.01 * truth.center_of_mass().norm());
@@ -267,12 +151,46 @@ TEST(IdentifyMotion, RecoversAllInertialParametersWithinOnePercent) {
   EXPECT_TRUE(fit.unidentified.empty());
 }
 
-TEST(IdentifyMotion, NamesTheInertiaThatOnlyTurningDetermines) {
-  const PayloadFit fit = identify_motion(motion_samples(hand(), false));
+TEST(IdentifyPayload, NamesTheInertiaThatOnlyTurningDetermines) {
+  const PayloadFit fit = identify_payload(motion_samples(hand(), false));
   EXPECT_THAT(fit.unidentified,
               testing::UnorderedElementsAre("inertia_xx", "inertia_xy", "inertia_xz", "inertia_yy",
                                             "inertia_yz", "inertia_zz"));
   EXPECT_NEAR(fit.parameters.mass, 4.8, 0.048);
+}
+
+/// The standard deviations are correct: errors of many trials divided by them have unit variance.
+TEST(IdentifyPayload, DeviationsMatchTheSpreadOfManyTrials) {
+  const PayloadParameters truth = hand();
+  PayloadVector normalised = PayloadVector::Zero();
+  const int trials = 100;
+  for (int trial = 0; trial < trials; ++trial) {
+    const PayloadFit fit = identify_payload(motion_samples(truth, true, 100 + trial));
+    const PayloadVector error = to_vector(fit.parameters) - to_vector(truth);
+    normalised += (error.array() / fit.deviation.array()).square().matrix() / trials;
+  }
+  for (int i = 0; i < kPayloadParameterCount; ++i) {
+    EXPECT_GT(normalised[i], 0.6) << payload_parameter_name(i);
+    EXPECT_LT(normalised[i], 1.6) << payload_parameter_name(i);
+  }
+}
+
+TEST(IdentifyPayload, NamesWhatOneOrientationCannotDetermine) {
+  const MotionSample at_rest{
+      motion_at_rest(Eigen::Matrix3d::Identity(), kGravity),
+      load_wrench(hand(), motion_at_rest(Eigen::Matrix3d::Identity(), kGravity))};
+  const PayloadFit fit = identify_payload(std::vector<MotionSample>(8, at_rest));
+  EXPECT_THAT(fit.unidentified, testing::IsSupersetOf({"mass", "bias_fz", "mass*com_z"}));
+  EXPECT_THAT(fit.unidentified, testing::Not(testing::Contains("bias_fx")));
+  EXPECT_LT(fit.force_rms, 1e-9);  // and nevertheless explains every reading
+}
+
+TEST(IdentifyPayload, RefusesTooFewReadingsAndNumbersThatAreNotFinite) {
+  std::vector<MotionSample> samples = motion_samples(hand(), true);
+  samples[2].F_S.force.x() = NAN;
+  EXPECT_THROW(identify_payload(samples), std::invalid_argument);
+  samples.resize(2);
+  EXPECT_THROW(identify_payload(samples), std::invalid_argument);
 }
 
 }  // namespace
