@@ -145,15 +145,13 @@ def find_symmetries(surface: Surface) -> Symmetries:
         if holds:
             axes.append(Axis(direction, max(holds), _name(direction, surface)))
     axes.sort(key=lambda axis: (-axis.order, axis.name.startswith("(")))
-    group = [np.eye(3)]
+    group = np.eye(3)[None]
     generators = [exp_rotation(2 * np.pi / axis.order * axis.direction) for axis in axes]
-    grown = True
-    while grown and len(group) < MOST:
-        grown = False
-        for R in list(group):
-            for S in generators:
-                new = R @ S
-                if all(np.trace(new @ old.T) < 3 - 1e-4 for old in group) and len(group) < MOST:
-                    group.append(new)
-                    grown = True
-    return Symmetries(np.array(group), axes, surface.center)
+    tried = 0
+    while tried < len(group) < MOST:
+        for S in generators:
+            new = group[tried] @ S
+            if (np.tensordot(group, new) < 3 - 1e-4).all():  # traces of new and each old one transposed
+                group = np.concatenate([group, new[None]])
+        tried += 1
+    return Symmetries(group[:MOST], axes, surface.center)
