@@ -16,7 +16,7 @@
 namespace palpate::sensor_models {
 namespace {
 
-constexpr double kPatience = 10;  // s
+constexpr double kReportPatience = 10;  // s
 const Eigen::Vector3d kGravityInW(0, 0, -9.81);
 
 // Indices in the rows of train::wrist_columns().
@@ -119,7 +119,7 @@ class ConstantForce {
 
 inference::TorchExecutorOptions patient_executor() {
   inference::TorchExecutorOptions options;
-  options.wait = options.patience = kPatience;
+  options.wait = options.patience = kReportPatience;
   return options;
 }
 
