@@ -43,8 +43,8 @@ ContactList::ContactList(const NumberedBody& body, const BoundaryConditions& bou
       options_(options),
       obstacles_(options.obstacles),
       samples_(samples),
-      search_(samples, obstacles_, options.foresight > 0 ? options.farthest : options.reach,
-              options.skin),
+      search_(samples, obstacles_,
+              std::max(options.reach, options.foresight > 0 ? options.farthest : 0), options.skin),
       x_listed_(body.rest),
       x_begin_(body.rest) {
   for (const mesh::PointWeights& sample : samples_) {

@@ -17,10 +17,10 @@ from palpate_calibrate.log_input import read_logs
 from palpate_calibrate.plan import Room, plan_poses
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
 from palpate_calibrate.residual_plot import plot_residuals
+from palpate_calibrate.table_input import read_description
 from palpate_common.command_line import Number, Parser
 from palpate_common.rotations import from_rpy
 from palpate_common.section import SectionError, read_section
-from palpate_calibrate.table_input import read_description
 
 FAILED, WRONG_CONFIGURATION = 1, 78
 PRESETS = Path(__file__).resolve().parents[1] / "presets"

@@ -12,9 +12,9 @@ from palpate_calibrate.motion import LARGEST_DELAY, Motion, MotionSample
 from palpate_calibrate.noise_model import Deviations, Group, Information, Kernels
 from palpate_calibrate.parameters import BLOCKS, Block, WristParameters, point_inertia
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
-from palpate_common.rotations import Array
 from palpate_calibrate.start import start_values
 from palpate_calibrate.wrist_model import load_wrench, predict
+from palpate_common.rotations import Array
 
 SMALLEST_STEP = 0.02  # standard deviations; the iteration ends below it
 MOST_STEPS = 12

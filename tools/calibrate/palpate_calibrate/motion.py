@@ -9,8 +9,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from palpate_calibrate.recording import Recording, RecordingError, Stream
-from palpate_common.rotations import Array, cross, log_rotation, to_wxyz
 from palpate_calibrate.smoothing import REACH, smooth, spline
+from palpate_common.rotations import Array, cross, log_rotation, to_wxyz
 
 FIRST_DEVIATION = 0.02  # s, of the kernel that is applied to the poses before they are differentiated
 DEVIATION = 0.06  # s, of the kernel that is applied to every signal: 3 dB at 2.2 Hz

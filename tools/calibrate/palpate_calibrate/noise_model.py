@@ -131,7 +131,7 @@ class Group:
         """Deviations of the largest restricted likelihood, given what the other groups and the prior say."""
         first = self.deviations
         floor, ceiling = FLOOR * first.white, 30 * (first.white + first.slow + first.pose)
-        # White, slow, its time, pose.
+        # White, slow, its time, pose, its reach.
         lower = np.log([1e-2 * first.white, floor, self.kernels.shortest, floor, SHORTEST_REACH])
         upper = np.log([ceiling, ceiling, self.kernels.longest, ceiling, LONGEST_REACH])
         start = [first.white, first.slow, first.time, first.pose, first.reach]
@@ -142,8 +142,8 @@ class Group:
             white, slow, time, pose, reach = np.exp(np.concatenate([some, at[free:]]))
             return Deviations(white, slow if self.parts > 1 else 0.0, pose if self.parts > 2 else 0.0, time, reach)
 
-        done = minimize(lambda some: self.likelihood(others, deviations(some)), at[:free], method="L-BFGS-B", bounds=list(zip(lower, upper))[:free],
-                        options={"maxiter": 15, "eps": 1e-3})  # fmt: skip
+        done = minimize(lambda some: self.likelihood(others, deviations(some)), at[:free], method="L-BFGS-B",
+                        bounds=list(zip(lower, upper))[:free], options={"maxiter": 15, "eps": 1e-3})  # fmt: skip
         self.deviations = deviations(done.x)
 
     def update_weights(self) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from palpate_calibrate.motion import Motion
 from palpate_calibrate.parameters import BLOCKS, WristParameters, point_inertia
 from palpate_calibrate.recording import Recording, Stream
-from palpate_common.rotations import Array, exp_rotation, log_rotation
 from palpate_calibrate.wrist_model import predict
+from palpate_common.rotations import Array, exp_rotation, log_rotation
 
 # Deviations of a mean over one pose: what no rigid payload explains, not the noise of single readings.
 ERRORS = {"force": 0.1, "torque": 0.005, "acceleration": 0.05}

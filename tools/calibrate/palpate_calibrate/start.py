@@ -9,8 +9,8 @@ import numpy as np
 from palpate_calibrate.motion import LARGEST_DELAY, Motion
 from palpate_calibrate.parameters import WristParameters, point_inertia
 from palpate_calibrate.recording import Mounting
-from palpate_common.rotations import Array, cross_matrix, fit_rotation
 from palpate_calibrate.wrist_model import gravity_of, tilt_axes
+from palpate_common.rotations import Array, cross_matrix, fit_rotation
 
 TRIAL = 0.01  # s, between two trial delays
 # A sensor of the other polarity fits better by this factor, or it is not assumed.

@@ -9,9 +9,6 @@ from palpate_calibrate.motion import Motion, MotionSample
 from palpate_calibrate.parameters import WristParameters
 from palpate_common.rotations import Array, cross, exp_rotation
 
-WRENCH_GROUPS = ("force", "torque")
-INERTIAL_GROUPS = ("acceleration", "angular_velocity")
-
 
 def tilt_axes(gravity_W: Array) -> Array:
     """Two unit vectors at right angles to gravity and to each other, in W, (2, 3)."""

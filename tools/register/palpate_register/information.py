@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_register.observations import Touches
 from palpate_common.rotations import cross_matrix
+from palpate_register.observations import Touches
 from palpate_register.pose import Pose
 from palpate_register.surface import Surface
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_register.fit_test import Verdict, test_fit
+from palpate_register.goodness_of_fit import Verdict, test_fit
 from palpate_register.observations import Observations
 from palpate_register.pose import Pose, covariance_at, difference
 from palpate_register.refine import Refined, refine

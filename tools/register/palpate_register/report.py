@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from palpate_common.rotations import log_rotation, to_wxyz
 from palpate_register.next_touch import Touch
 from palpate_register.observations import Observations
-from palpate_common.rotations import log_rotation, to_wxyz
 from palpate_register.register import Registration
 
 Z95 = 1.959964  # standard deviations of a 95 % interval

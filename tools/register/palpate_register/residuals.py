@@ -8,8 +8,8 @@ from typing import Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_register.observations import Cloud, Guess, Observations, Touches
 from palpate_common.rotations import exp_rotation, log_rotation
+from palpate_register.observations import Cloud, Guess, Observations, Touches
 from palpate_register.pose import Pose, difference, moved
 from palpate_register.surface import Surface
 

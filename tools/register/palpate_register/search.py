@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from palpate_common.rotations import exp_rotation, from_wxyz
 from palpate_register import robust
 from palpate_register.observations import Observations
-from palpate_common.rotations import exp_rotation, from_wxyz
 from palpate_register.pose import Pose, random_rotations
 from palpate_register.surface import Surface
 
