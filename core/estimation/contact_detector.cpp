@@ -19,6 +19,7 @@ void ContactDetector::reset() noexcept {
   state_ = State::kNone;
   unexplained_count_ = sudden_count_ = 0;
   weak_time_ = unexplained_contact_time_ = 0;
+  confirmations_ = 0;
   since_contact_ = kLongAgo;
 }
 
@@ -48,11 +49,13 @@ void ContactDetector::judge_contact(double test, double rows, bool is_below_nois
   if (test <= sampling_.gate / kHandRows * rows) {
     unexplained_count_ = 0;
     state_ = State::kTracking;
+    if (!is_below_noise) ++confirmations_;
     return;
   }
   ++unexplained_count_;
   state_ =
       unexplained_count_ >= kConsecutive && is_as_before ? State::kReleased : State::kUnexplained;
+  if (wants_new_location()) confirmations_ = kConsecutive;  // whatever it is, it lasts
 }
 
 void ContactDetector::begin() noexcept {
@@ -66,6 +69,7 @@ void ContactDetector::end() noexcept {
   state_ = State::kNone;
   unexplained_count_ = sudden_count_ = 0;
   unexplained_contact_time_ = 0;
+  confirmations_ = 0;
   since_contact_ = 0;
 }
 

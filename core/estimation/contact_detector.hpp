@@ -22,12 +22,15 @@ namespace palpate::estimation {
 /// |              | and the wrenches are as before the contact  | kReleased    |               |
 /// |              | another location explains them: begin()     | kTracking    | load model    |
 /// |              | for 0.3 s                                   | kNone        | drop contact  |
-/// | with contact | force within the noise for 0.3 s            | kNone        | drop contact  |
+/// | with contact | two updates that it explains, its force     |              |               |
+/// |              | beyond the noise, or two unexplained ones   |              | report it     |
+/// |              | force within the noise for 0.3 s            | kNone        | drop contact  |
 /// | kReleased    | end of the tick                             | kNone        | drop contact  |
 /// | any          | a hand moves, or the baseline is lost       | kNone        | drop contact  |
 ///
 /// Changes just after a contact has ended count less, because the object oscillates and the pads
-/// relax.
+/// relax. What noise imitates in one update ends with the next ones: a contact is reported once
+/// they confirm it, while the shape follows it from its begin on.
 class ContactDetector {
  public:
   enum class State {
@@ -56,6 +59,8 @@ class ContactDetector {
   bool needs_baseline() const noexcept { return unexplained_time() > kPatience; }
   /// Half of that time, after which the user should know.
   bool is_overdue() const noexcept { return unexplained_time() > kPatience / 2; }
+  /// Whether updates have confirmed the contact since it began, so that it may be reported.
+  bool is_confirmed() const noexcept { return has_contact() && confirmations_ >= kConsecutive; }
   /// Whether the force of the contact is at present not significant.
   bool is_weak() const noexcept { return weak_time_ > 0; }
 
@@ -89,7 +94,8 @@ class ContactDetector {
  private:
   static constexpr double kPatience = 2;   // s, maximum duration of an unexplained change
   static constexpr double kLongAgo = 1e3;  // s
-  /// Consecutive sudden changes: with the thresholds of both of them no false alarm within hours.
+  /// Consecutive sudden changes, and updates that confirm a contact: with the thresholds of both of
+  /// them no false alarm within hours.
   static constexpr int kConsecutive = 2;
 
   WrenchSampling sampling_;
@@ -97,6 +103,7 @@ class ContactDetector {
   State state_ = State::kNone;
   int unexplained_count_ = 0;
   int sudden_count_ = 0;                 // consecutive changes far beyond the noise
+  int confirmations_ = 0;                // updates since the contact began that confirm it
   bool is_below_noise_ = false;          // the contact's contribution to the wrenches is
   double since_contact_ = kLongAgo;      // s since the last contact ended
   double weak_time_ = 0;                 // s for which the contact's force has not been significant

@@ -189,7 +189,7 @@ void ContactTracker::drop(FusedState& state, WrenchUpdate& wrenches,
 UnknownContact ContactTracker::estimate(const WrenchFilter& filter,
                                         const elasticity::DeformationModel& model) const noexcept {
   UnknownContact contact;
-  if (!detector_.has_contact()) return contact;
+  if (!detector_.is_confirmed()) return contact;
   contact.found = true;
   contact.location_O = search_.place(place_).point.interpolate(model.positions());
   contact.force_O = filter.mean().tail<3>();

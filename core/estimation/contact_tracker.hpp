@@ -35,6 +35,7 @@ class ContactTracker {
                const elasticity::DeformationModel& model) noexcept;
 
   const ContactDetector& detector() const noexcept { return detector_; }
+  /// The contact once it is confirmed.
   UnknownContact estimate(const WrenchFilter& filter,
                           const elasticity::DeformationModel& model) const noexcept;
 

@@ -147,6 +147,35 @@ TEST_F(ContactDetectorTest, AWeakContactIsDroppedAfterThreeTenthsOfASecond) {
   }
 }
 
+TEST_F(ContactDetectorTest, ReportedOnceTwoUpdatesConfirmIt) {
+  detector_.begin();
+  for (int i = 0; i < 10; ++i) contact(kQuiet, true);  // not by a force within the noise
+  contact(kUnexplained);                               // nor by one update that it does not explain
+  contact(kQuiet);
+  EXPECT_FALSE(detector_.is_confirmed());
+  contact(kQuiet);
+  EXPECT_TRUE(detector_.is_confirmed());
+  contact(kUnexplained);
+  detector_.begin();  // at another location
+  EXPECT_TRUE(detector_.is_confirmed());
+  detector_.end();
+  detector_.begin();
+  EXPECT_FALSE(detector_.is_confirmed());
+}
+
+TEST_F(ContactDetectorTest, ReportedIfItExplainsNothingButTheChangeLasts) {
+  detector_.begin();
+  contact(kUnexplained);
+  contact(kUnexplained, false, true);
+  EXPECT_FALSE(detector_.is_confirmed());  // released
+  detector_.end();
+  detector_.begin();
+  contact(kUnexplained);
+  EXPECT_FALSE(detector_.is_confirmed());
+  contact(kUnexplained);
+  EXPECT_TRUE(detector_.is_confirmed());
+}
+
 TEST_F(ContactDetectorTest, StrengthResetsTheTimeOfWeakness) {
   detector_.begin();
   for (int i = 0; i < 20; ++i) EXPECT_FALSE(tick(0));
