@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate_common.frames import rotation_and_position
+from palpate_common.mesh_files import read_surface
+from palpate_common.pose import Pose
 from palpate_common.section import Section, read_configuration_section
-from palpate_register.mesh_files import read_surface
-from palpate_register.pose import Pose
-from palpate_register.surface import Surface, box_surface
+from palpate_common.surface import Surface, box_surface
 
 Floats = NDArray[np.float64]
 SIZE = (0.001, 10.0)  # m, of an edge of the box

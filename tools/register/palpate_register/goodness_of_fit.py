@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from palpate_common.surface import Surface
 from palpate_register.observations import Observations
 from palpate_register.refine import Refined, refine
-from palpate_register.surface import Surface
 
 Floats = NDArray[np.float64]
 GROSS = 5.0  # standard deviations: beyond it a touch is a gross error

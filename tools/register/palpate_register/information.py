@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_common.pose import Pose
 from palpate_common.rotations import cross_matrix
+from palpate_common.surface import Surface
 from palpate_register.observations import Touches
-from palpate_register.pose import Pose
-from palpate_register.surface import Surface
 
 Floats = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
 
+from palpate_common.pose import Pose
+from palpate_common.surface import Surface, closest_on_segments
 from palpate_register.information import touch_information
-from palpate_register.pose import Pose
-from palpate_register.surface import Surface, closest_on_segments
 
 Floats = NDArray[np.float64]
 CANDIDATES = 160  # places, and as many again at the margin from edges and in corners

@@ -9,7 +9,7 @@ from typing import Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_register.pose import Pose
+from palpate_common.pose import Pose
 
 Floats = NDArray[np.float64]
 

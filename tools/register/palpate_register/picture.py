@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from palpate_common.surface import Surface
 from palpate_register.next_touch import Touch
 from palpate_register.observations import Observations
 from palpate_register.register import Registration
-from palpate_register.surface import Surface
 
 VIEWS = ((25, -60), (25, 30))  # degrees: elevation, azimuth
 MOST_TRIANGLES = 4000

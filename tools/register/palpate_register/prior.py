@@ -8,9 +8,9 @@ from typing import Any, Optional
 
 import numpy as np
 
+from palpate_common.pose import covariance_at
 from palpate_common.rotations import to_wxyz
 from palpate_register.configuration import FILTER, Configuration
-from palpate_register.pose import covariance_at
 from palpate_register.register import Registration
 
 # Ranges of the keys.

@@ -10,19 +10,19 @@ from typing import Optional
 
 import numpy as np
 
+from palpate_common.cloud_files import read_cloud
+from palpate_common.errors import InputError
+from palpate_common.mesh_files import read_surface
+from palpate_common.pose import Pose
 from palpate_common.rotations import from_rpy
 from palpate_common.section import SectionError
-from palpate_register.cloud_files import read_cloud
+from palpate_common.surface import Surface, box_surface
 from palpate_register.configuration import Configuration, read_configuration
-from palpate_register.errors import InputError
-from palpate_register.mesh_files import read_surface
 from palpate_register.next_touch import Reach, next_touches
 from palpate_register.observations import Cloud, Guess, Observations, Touches, no_touches
-from palpate_register.pose import Pose
 from palpate_register.prior import yaml_text
 from palpate_register.register import register
 from palpate_register.report import as_json, table
-from palpate_register.surface import Surface, box_surface
 from palpate_register.touch_file import read_touches
 
 GUESSED, GLOBAL = 150, 400  # starts

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_register import robust
+from palpate_common import robust
+from palpate_common.pose import Pose
+from palpate_common.surface import Surface
 from palpate_register.observations import Observations
-from palpate_register.pose import Pose
 from palpate_register.residuals import Residuals, State, residuals, start_at
-from palpate_register.surface import Surface
 
 Floats = NDArray[np.float64]
 WIDENINGS = (10.0, 3.0, 1.0)  # of the robust loss, so that gross errors of the start are followed

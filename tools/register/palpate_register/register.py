@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_common.pose import Pose, covariance_at, difference
+from palpate_common.surface import Surface
+from palpate_common.undetermined import undetermined_directions
 from palpate_register.goodness_of_fit import Verdict, test_fit
 from palpate_register.observations import Observations
-from palpate_register.pose import Pose, covariance_at, difference
 from palpate_register.refine import Refined, refine
 from palpate_register.search import coarse_search
-from palpate_register.surface import Surface
 from palpate_register.symmetry import Symmetries, find_symmetries
 
 Floats = NDArray[np.float64]
 OTHER_WITHIN = 4.0  # loss: poses that are less likely than the best by up to e^4 are named
 SAME_START = 0.1  # rad, and of the object's size: coarse poses that lead to the same end
-UNDETERMINED = (0.02, np.radians(10))  # m, rad: deviations that say nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,21 +46,7 @@ class Registration:
     @property
     def undetermined(self) -> list[str]:
         """Directions in W that the points do not determine, in words."""
-        found = []
-        for part, limit, words in ((slice(0, 3), UNDETERMINED[0], "position along"),
-                                   (slice(3, 6), UNDETERMINED[1], "rotation about")):  # fmt: skip
-            for variance, axis in zip(*_principal(self.covariance[part, part])):
-                if variance > limit**2:
-                    found.append(f"{words} ({axis[0]:.2f} {axis[1]:.2f} {axis[2]:.2f})")
-        return found
-
-
-def _principal(covariance: Floats) -> tuple[Floats, Floats]:
-    """Variances, (3,), and unit directions, (3, 3), one a row, each with its largest part positive."""
-    variances, axes = np.linalg.eigh(covariance)
-    axes = axes.T
-    largest = axes[np.arange(3), np.abs(axes).argmax(axis=1)]
-    return variances, axes * np.sign(largest)[:, None] + 0.0
+        return undetermined_directions(self.covariance)
 
 
 def _without_free_turn(final: Refined, symmetries: Symmetries) -> Floats:

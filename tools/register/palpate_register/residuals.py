@@ -8,10 +8,10 @@ from typing import Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_common.pose import Pose, difference, moved
 from palpate_common.rotations import exp_rotation, log_rotation
+from palpate_common.surface import Surface, gradients
 from palpate_register.observations import Cloud, Guess, Observations, Touches
-from palpate_register.pose import Pose, difference, moved
-from palpate_register.surface import Surface
 
 Floats = NDArray[np.float64]
 
@@ -47,20 +47,6 @@ class Residuals:
     feet: Floats  # (k, 3), W, m: closest points of the surface; of touches, then of the cloud
     # (n, 6), of the touches, from which the information about the pose follows (see `TouchRows`).
     J_inside: Floats
-
-
-def gradients(points: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
-    """Signed distances, (m,), m, positive outside, and their unit gradients by the point, (m, 3).
-
-    All of one frame: points, their closest points, and the normals there, each (m, 3).
-    """
-    way = points - feet
-    size = np.linalg.norm(way, axis=1)
-    sign = np.where(np.einsum("ij,ij->i", way, normals) >= 0, 1.0, -1.0)
-    on_surface = size < 1e-9
-    with np.errstate(invalid="ignore", divide="ignore"):
-        direction = np.where(on_surface[:, None], normals, (sign / size)[:, None] * way)
-    return sign * size, direction
 
 
 @dataclass(frozen=True, eq=False)

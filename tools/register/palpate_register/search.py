@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from palpate_common import robust
+from palpate_common.pose import Pose, random_rotations
 from palpate_common.rotations import exp_rotation, from_wxyz
-from palpate_register import robust
+from palpate_common.surface import Surface
 from palpate_register.observations import Observations
-from palpate_register.pose import Pose, random_rotations
-from palpate_register.surface import Surface
 
 Floats = NDArray[np.float64]
 ACROSS = 0.1  # weight of a distance across the normal, relative to one along it

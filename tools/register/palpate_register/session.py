@@ -7,11 +7,11 @@ from typing import Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_common.surface import Surface
 from palpate_register.next_touch import Reach, Touch, next_touches
 from palpate_register.observations import Cloud, Guess, Observations, Touches, no_touches
 from palpate_register.refine import Refined, refine
 from palpate_register.residuals import State, start_at
-from palpate_register.surface import Surface
 
 Floats = NDArray[np.float64]
 FEW = 5  # touches up to which the guess, too, is a start of the refinement

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_common.pose import Pose, angle_of
 from palpate_common.rotations import exp_rotation
-from palpate_register.pose import Pose, angle_of
-from palpate_register.surface import Surface
+from palpate_common.surface import Surface
 
 Floats = NDArray[np.float64]
 TOLERANCE = 0.004  # of the largest side: rotations that move the surface less are symmetries

@@ -14,11 +14,11 @@ from palpate_register.information import cramer_rao  # noqa: E402
 from palpate_register.next_touch import Reach, next_touches  # noqa: E402
 from palpate_register.observations import Cloud, Guess, Observations, Touches  # noqa: E402
 from palpate_common.rotations import exp_rotation, from_wxyz, log_rotation, to_wxyz  # noqa: E402
-from palpate_register.pose import Pose, angle_of, covariance_at, difference, moved, random_rotations  # noqa: E402
+from palpate_common.pose import Pose, angle_of, covariance_at, difference, moved, random_rotations  # noqa: E402
 from palpate_register.residuals import residuals, start_at  # noqa: E402
-from palpate_register.surface import Surface, box_surface  # noqa: E402
+from palpate_common.surface import Surface, box_surface  # noqa: E402
 from palpate_register.symmetry import find_symmetries  # noqa: E402
-from palpate_register.triangles import Triangles  # noqa: E402
+from palpate_common.triangles import Triangles  # noqa: E402
 
 BAR, CUBE = box_surface([0.5, 0.06, 0.06]), box_surface([0.06, 0.06, 0.06])
 

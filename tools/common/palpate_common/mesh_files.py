@@ -10,8 +10,8 @@ from typing import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_register.errors import InputError
-from palpate_register.surface import Surface
+from palpate_common.errors import InputError
+from palpate_common.surface import Surface
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from palpate_register.triangles import Triangles
+from palpate_common.triangles import Triangles
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -117,6 +117,20 @@ class Surface:
     def scaled(self, factor: float) -> "Surface":
         """The same shape `factor` times as large about its centre."""
         return Surface(self.center + factor * (self.nodes - self.center), self.triangles)
+
+
+def gradients(points: Floats, feet: Floats, normals: Floats) -> tuple[Floats, Floats]:
+    """Signed distances, (m,), m, positive outside, and their unit gradients by the point, (m, 3).
+
+    All of one frame: points, their closest points, and the normals there, each (m, 3).
+    """
+    way = points - feet
+    size = np.linalg.norm(way, axis=1)
+    sign = np.where(np.einsum("ij,ij->i", way, normals) >= 0, 1.0, -1.0)
+    on_surface = size < 1e-9
+    with np.errstate(invalid="ignore", divide="ignore"):
+        direction = np.where(on_surface[:, None], normals, (sign / size)[:, None] * way)
+    return sign * size, direction
 
 
 def box_surface(sides: Any) -> Surface:
