@@ -13,7 +13,7 @@ import unittest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 SOURCE = pathlib.Path(sys.argv[2]).resolve()
 PROGRAM = SOURCE / "tools/lab/register/measure_registration"
-sys.path[:0] = [str(SOURCE / "tools/register"), str(SOURCE / "tools/common"), str(PROGRAM.parent)]
+sys.path[:0] = [str(PROGRAM.parent), *(str(SOURCE / "tools" / folder) for folder in ("register", "common", "lab/goals"))]
 
 import numpy as np  # noqa: E402
 

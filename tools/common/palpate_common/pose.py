@@ -30,6 +30,14 @@ class Pose:
         result: Floats = (np.asarray(points, float) - self.p) @ self.R
         return result
 
+    def times(self, other: "Pose") -> "Pose":
+        """X_AC of X_AB and X_BC."""
+        return Pose(self.R @ other.R, self.R @ other.p + self.p)
+
+    def inverse(self) -> "Pose":
+        """X_BA."""
+        return Pose(self.R.T, -self.R.T @ self.p)
+
 
 def angle_of(R: Floats) -> float:
     """Angle of a rotation, rad, 0 to pi."""

@@ -7,37 +7,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from goal_text import goal_line, interval_lines, rms
+
 Floats = NDArray[np.float64]
 WITHIN = {"bar": (0.9e-3, 0.5), "cube": (0.6e-3, 0.8)}  # m, degrees
 WITHIN_SEEN = 1.5e-3  # m
 FOUND = (2e-3, 3.0)  # m, degrees: of the true pose
 SHARE = 0.95  # of the set-ups
 RATIO = 1.3  # of root mean squares, error over bound
-LEAST_HOLD, NOMINAL = 0.90, 0.95  # share of intervals that contain the truth
-TOO_WIDE = 2.0  # deviation over error, root mean squares
-RESAMPLES = 2000
 Z95 = 1.959964
-
-
-def _rms(values: Any) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _sizes(errors: Floats) -> tuple[Floats, Floats]:
     """Of (n, 6) errors: position, m, and angle, degrees, (n,) each."""
     return np.linalg.norm(errors[:, :3], axis=1), np.degrees(np.linalg.norm(errors[:, 3:], axis=1))
-
-
-def _bootstrap(share_of_set_up: Floats) -> tuple[float, float]:
-    """95 % interval of a mean over set-ups."""
-    random = np.random.default_rng(0)
-    chosen = random.integers(0, len(share_of_set_up), (RESAMPLES, len(share_of_set_up)))
-    low, high = np.quantile(share_of_set_up[chosen].mean(axis=1), [0.025, 0.975])
-    return float(low), float(high)
-
-
-def _line(what: str, reached: str, goal: str, is_met: bool) -> str:
-    return f"  {what:50}{reached:>26}   goal {goal:24}{'met' if is_met else 'MISSED'}"
 
 
 def text_of(name: str, by: str, results: list[dict[str, Any]]) -> tuple[str, dict[str, float]]:
@@ -53,27 +36,21 @@ def text_of(name: str, by: str, results: list[dict[str, Any]]) -> tuple[str, dic
         bound_p = np.sqrt(column["bound"][:, :3].sum(axis=1))
         bound_a = np.degrees(np.sqrt(column["bound"][:, 3:].sum(axis=1)))
         for what, unit, factor, error, bound in (("position", "mm", 1e3, position, bound_p), ("angle", "degree", 1.0, angle, bound_a)):
-            ratio = _rms(error) / _rms(bound)
+            ratio = rms(error) / rms(bound)
             values[f"{what}_ratio"] = ratio
-            lines.append(_line(f"{what}, RMS error / RMS Cramer-Rao bound", f"{factor * _rms(error):.3f} / {factor * _rms(bound):.3f} "
+            lines.append(goal_line(f"{what}, RMS error / RMS Cramer-Rao bound", f"{factor * rms(error):.3f} / {factor * rms(bound):.3f} "
                                f"{unit} = {ratio:.2f}", f"at most {RATIO}", ratio <= RATIO))  # fmt: skip
         most_p, most_a = WITHIN[name]
         share = float(np.mean((position <= most_p) & (angle <= most_a)))
-        lines.append(_line(f"within {1e3 * most_p:g} mm and {most_a:g} degree", f"{100 * share:.0f} %",
+        lines.append(goal_line(f"within {1e3 * most_p:g} mm and {most_a:g} degree", f"{100 * share:.0f} %",
                            f"at least {100 * SHARE:.0f} %", share >= SHARE))  # fmt: skip
     else:
         share = float(np.mean(position <= WITHIN_SEEN))
-        lines.append(_line(f"position within {1e3 * WITHIN_SEEN:g} mm", f"{100 * share:.0f} %", f"at least {100 * SHARE:.0f} %", share >= SHARE))
+        lines.append(goal_line(f"position within {1e3 * WITHIN_SEEN:g} mm", f"{100 * share:.0f} %", f"at least {100 * SHARE:.0f} %", share >= SHARE))
     values["share"] = share
-    inside = np.abs(column["error"]) <= Z95 * column["deviation"]
-    low, high = _bootstrap(inside.mean(axis=1))
-    values.update(inside=float(inside.mean()), inside_low=low, inside_high=high)
-    lines.append(_line("95 % intervals that hold, pooled", f"{100 * inside.mean():.1f} %", f"at least {100 * LEAST_HOLD:.0f} %",
-                       bool(inside.mean() >= LEAST_HOLD)))  # fmt: skip
-    lines.append(_line("  their bootstrap interval", f"{100 * low:.1f} to {100 * high:.1f} %", "reaches 95 % or more", high >= NOMINAL))
-    wide = 1 / _rms(column["error"] / column["deviation"])
-    values["wide"] = wide
-    lines.append(_line("  stated deviation / error", f"{wide:.2f}", f"at most {TOO_WIDE:g}", wide <= TOO_WIDE))
+    of_intervals, numbers = interval_lines(column["error"], Z95 * column["deviation"], column["deviation"])
+    lines += of_intervals
+    values.update(numbers)
     lines.append(f"  95 % of positions within {values['position_95_mm']:.2f} mm, of angles within {values['angle_95_deg']:.2f} degree; largest "
                  f"{1e3 * position.max():.2f} mm, {angle.max():.2f} degree; misses per set-up {column['misses'].mean():.1f}; "
                  f"the mesh fits in {100 * column['fits'].mean():.0f} %")  # fmt: skip

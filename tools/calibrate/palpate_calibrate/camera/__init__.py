@@ -1,0 +1,1 @@
+"""Pose of a depth camera in the robot's base: `palpate-calibrate camera`."""
