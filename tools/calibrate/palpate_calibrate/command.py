@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
-from typing import Any, Optional
+from typing import Optional
 
 import numpy as np
 
 from palpate_calibrate import plan_output, report, section_output
+from palpate_calibrate.camera import command as camera
 from palpate_calibrate.configuration import Configuration, read_configuration
 from palpate_calibrate.fit import Options, fit_wrist
+from palpate_calibrate.json_output import write_json
 from palpate_calibrate.log_input import read_logs
 from palpate_calibrate.plan import Room, plan_poses
 from palpate_calibrate.recording import Mounting, Recording, RecordingError
 from palpate_calibrate.residual_plot import plot_residuals
 from palpate_calibrate.table_input import read_description
 from palpate_common.command_line import Number, Parser
+from palpate_common.errors import InputError
 from palpate_common.rotations import from_rpy
 from palpate_common.section import SectionError, read_section
 
@@ -26,14 +28,16 @@ FAILED, WRONG_CONFIGURATION = 1, 78
 PRESETS = Path(__file__).resolve().parents[1] / "presets"
 LARGEST_ROOM = 0.1  # m, of the plan about its start without a configuration
 
-TOP_DESCRIPTION = """Calibrates the set-up of an arm from a recording of its own motion.
+TOP_DESCRIPTION = """Calibrates the set-up of an arm from recordings of its own motion, and of a camera that observes it.
 """
 TOP_TAIL = """
 Subcommands:
   wrist                       Load, bias and mounting of a wrist's force-torque sensor and inertial unit, and their delays
+  camera                      Pose of a depth camera in the robot's base, by touches, by the hand in clouds, or by a marker
 
-Example:
+Examples:
   palpate-calibrate wrist run.control.lcmlog --config my_robot.yaml --output wrist.yaml
+  palpate-calibrate camera --touches touches.csv --output camera.yaml
 Exit codes: 0   done
             1   an error, or a recording that cannot be used
             64  wrong command line
@@ -88,13 +92,6 @@ def wrist_parser() -> Parser:
     return parser
 
 
-def _write_json(values: Any, file: str) -> None:
-    text = json.dumps(values, indent=1) + "\n"
-    if file == "-":
-        sys.stdout.write(text)
-    else:
-        Path(file).write_text(text)
-
 
 def _read(options: argparse.Namespace, configuration: Optional[Configuration]) -> tuple[Recording, Mounting, bool]:
     """Recording, mounting, and whether gravity's direction is unknown."""
@@ -140,7 +137,7 @@ def _plan(options: argparse.Namespace, configuration: Optional[Configuration]) -
     if options.picture:
         plan_output.plot_plan(plan, room, Path(options.picture))
     if options.json:
-        _write_json(plan_output.document(plan), options.json)
+        write_json(plan_output.document(plan), options.json)
     if options.json != "-":
         print(plan_output.table(plan))
 
@@ -153,7 +150,7 @@ def _fit(options: argparse.Namespace, configuration: Optional[Configuration]) ->
     if options.picture:
         plot_residuals(fit, Path(options.picture))
     if options.json:
-        _write_json(report.summary(fit), options.json)
+        write_json(report.summary(fit), options.json)
     if options.json != "-":
         print(report.table(fit))
 
@@ -176,11 +173,13 @@ def main(words: list[str], version: str) -> int:
         if words and words[0] == "wrist":
             wrist(words[1:])
             return 0
+        if words and words[0] == "camera":
+            return camera.main(words[1:])
         top.parse_args(words)
-        top.error("a subcommand is required; allowed: wrist")
+        top.error("a subcommand is required; allowed: wrist, camera")
     except SectionError as error:
         print(f"palpate-calibrate: {error}", file=sys.stderr)
         return WRONG_CONFIGURATION
-    except (RecordingError, OSError) as error:
+    except (RecordingError, InputError, OSError) as error:
         print(f"palpate-calibrate: {error}", file=sys.stderr)
         return FAILED

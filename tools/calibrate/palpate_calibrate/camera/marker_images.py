@@ -9,12 +9,11 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_calibrate.camera.square_edges import square_corners
 from palpate_common.errors import InputError
 
 Floats = NDArray[np.float64]
 DICTIONARIES = ("4x4_50", "4x4_100", "4x4_250", "5x5_50", "5x5_100", "5x5_250", "6x6_50", "6x6_100", "6x6_250", "aruco_original")
-SMALLEST_WINDOW, LARGEST_WINDOW = 2, 6  # px, half side of what a corner is refined in
-WINDOW = 0.07  # of the marker's side in the image: less than a square of its pattern
 
 
 def opencv() -> ModuleType:
@@ -61,19 +60,11 @@ class MarkerDetector:
         return lambda image: aruco.detectMarkers(image, self._dictionary, parameters=parameters)
 
     def corners(self, image: NDArray[np.uint8]) -> Optional[Floats]:
-        """(4, 2), px, as palpate_calibrate.camera.marker.CORNERS, refined below a pixel; None where it is not found.
-
-        A corner is where the grey values' gradients around it are at right angles to the way to it (Foerstner and Guelch 1987).
-        """
+        """(4, 2), px, in the order of palpate_calibrate.camera.marker.CORNERS; None where it is not found."""
         found, numbers, _ = self._detect(image)
         if numbers is None:
             return None
         for corners, number in zip(found, np.ravel(numbers)):
             if number == self._number:
-                rough = np.asarray(corners, np.float32).reshape(4, 1, 2)
-                side = float(np.linalg.norm(np.roll(rough, 1, axis=0) - rough, axis=2).min())
-                half = int(np.clip(round(WINDOW * side), SMALLEST_WINDOW, LARGEST_WINDOW))
-                # 3: at most 40 steps or 0.005 px.
-                fine = self._cv.cornerSubPix(image, rough, (half, half), (-1, -1), (3, 40, 0.005))
-                return np.asarray(fine, float).reshape(4, 2)
+                return square_corners(image, np.asarray(corners, float).reshape(4, 2))
         return None

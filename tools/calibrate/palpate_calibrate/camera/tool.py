@@ -17,7 +17,7 @@ from palpate_common.surface import Surface, gradients
 
 Floats = NDArray[np.float64]
 FEWEST_VIEWS, FEWEST_POINTS = 3, 30
-MOST_POINTS = 150  # of a cloud: more cost time, and neighbours do not err independently
+MOST_POINTS = 100  # of a cloud: more cost time, and neighbours do not err independently
 COARSE_POINTS = 60  # of a cloud, while the start is far
 COARSE, FINE = (30.0, 10.0), (3.0, 1.0)  # widenings of the loss meanwhile, and then
 AROUND = 0.02  # m: points farther from the tool than this, after the coarse fit, belong to something else
