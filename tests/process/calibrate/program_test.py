@@ -12,10 +12,18 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
 import yaml
 
 BINARIES, SOURCE = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(2))
 DATA = pathlib.Path(os.environ.get("PALPATE_DATA", SOURCE / "../shared/data"))
+sys.path[:0] = [str(SOURCE / "tools/lab/camera_calibration")]
+
+import drawn_camera  # noqa: E402
+import simulated_marker  # noqa: E402
+import simulated_tool  # noqa: E402
+import simulated_touches  # noqa: E402
+
 CONFIGURATION = SOURCE / "rt/config/examples/payload_arm.yaml"
 # Hand and bias of sim/scenes/payload.yaml without cables.
 MASS, CENTER = 4.8, (1.5, -0.65, 113.7)  # kg, mm
@@ -102,6 +110,107 @@ class Simulated(unittest.TestCase):
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
 
+class Camera(unittest.TestCase):
+    """Set-ups of the study as files: the camera is found, and palpate-sim accepts the result."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.random = np.random.default_rng(3000)
+        self.camera, self.guess = drawn_camera.draw_camera(self.random)
+
+    def found(self, *words):
+        output, picture = self.folder / "camera.yaml", self.folder / "camera.png"
+        done = calibrate("camera", *words, "--json", "-", "--output", output, "--picture", picture)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        summary = json.loads(done.stdout)
+        error = summary["camera_in_base"]["position"] - self.camera.p
+        print(words[0], "error", np.round(1e3 * error, 2), "mm, 95 % within", np.round(1e3 * np.array(summary["half_widths"]["position"]), 2))
+        self.assertLess(np.linalg.norm(error), 4e-3)
+        self.assertTrue((np.abs(error) < 2 * np.array(summary["half_widths"]["position"])).all())
+        self.assertEqual(np.shape(summary["covariance"]), (6, 6))
+        return yaml.safe_load(output.read_text()), summary
+
+    def write_rows(self, name, header, rows):
+        path = self.folder / name
+        path.write_text(header + "\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+        return path
+
+    def write_poses(self, names, flanges):
+        quaternions = [np.roll(flange.R.as_quat(), 1) for flange in flanges]
+        return self.write_rows("poses.csv", "file,x,y,z,qw,qx,qy,qz",
+                               [(name, *flange.p, *q) for name, flange, q in zip(names, flanges, quaternions)])
+
+    def test_by_touches_and_the_scene_is_accepted(self):
+        recording = simulated_touches.record(self.camera, self.random)
+        touches = self.write_rows("touches.csv", "x,y,z,u,v,w", np.hstack([recording.touched, recording.picked]))
+        np.save(self.folder / "scene.npy", recording.cloud)
+        words = ("--touches", touches, "--cloud", self.folder / "scene.npy")
+        written, summary = self.found(*words)
+        self.assertEqual(written["camera_in_base"], summary["camera_in_base"])
+        scene = SOURCE / "sim/scenes/bar_long_soft_control_camera.yaml"
+        written, _ = self.found(*words, "--scene", scene)
+        self.assertEqual(written["camera"]["pose"], summary["camera_in_base"])
+        if (BINARIES / "palpate-sim").exists():
+            checked = subprocess.run([BINARIES / "palpate-sim", self.folder / "camera.yaml", "--check"], capture_output=True, text=True)
+            self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+
+    def test_by_the_tool(self):
+        recording = simulated_tool.record(self.camera, self.random)
+        nodes, triangles = simulated_tool.hand_mesh()
+        (self.folder / "hand.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in nodes)
+                                              + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in triangles))
+        names = [f"{i}.xyz" for i in range(7)]
+        for name, cloud in zip(names, recording.clouds):
+            np.savetxt(self.folder / name, cloud)
+        poses = self.write_poses(names, recording.flanges)
+        angles = self.guess.R.as_euler("xyz", degrees=True)
+        self.found("--tool", self.folder / "hand.obj", "--poses", poses, "--guess", *self.guess.p, *angles)
+
+    def test_by_a_marker(self):
+        try:
+            import cv2
+        except ImportError:
+            self.skipTest("python3-opencv is not installed")
+        recording = simulated_marker.record(self.camera, self.random)
+        names = [f"{i}.png" for i in range(10)]
+        for name, image in zip(names, recording.images):
+            cv2.imwrite(str(self.folder / name), image)
+        cv2.imwrite(str(self.folder / "empty.png"), np.full((480, 640), 128, np.uint8))
+        poses = self.write_poses([*names, "empty.png"], recording.flanges[:11])
+        lens = self.folder / "lens.yaml"
+        lens.write_text("fx: 580\nfy: 580\ncx: 320\ncy: 240\n")
+        words = ("--marker", 0, "--marker-size", 0.08, "--intrinsics", lens, "--poses", poses)
+        _, summary = self.found(*words)
+        self.assertEqual(summary["notes"], ["The marker is not found in: empty.png"])
+        lens.write_text("fx: 580\nfy: 0\ncx: 320\ncy: 240\n")
+        done = calibrate("camera", *words)
+        self.assertEqual(done.returncode, 78, done.stderr)
+        self.assertIn("lens.yaml:2: fy: 0; allowed: a number from 10 to 100000", done.stderr)
+
+    def test_wrong_use(self):
+        touches = self.write_rows("t.csv", "x,y,z,u,v,w", [(0.1 * i, 0, 0, 0.1 * i, 0, 1) for i in range(6)])
+        behind = self.write_rows("b.csv", "x,y,z,u,v,w", [(0, 0, 0, 0, 0, -1)])
+        poses = self.write_rows("p.csv", "file,x,y,z,qw,qx,qy,qz", [("a.ply", 0, 0, 0, 1, 1, 0, 0)])
+        for words, code, expected in (
+            ((), 64, "exactly one of --touches, --tool and --marker is required"),
+            (("--touches", touches, "--marker", 0), 64, "exactly one of"),
+            (("--tool", "a.stl", "--poses", poses), 64, "--tool: --guess is required"),
+            (("--touches", touches, "--intrinsics", "a.yaml"), 64, "--intrinsics: allowed with --marker only"),
+            (("--touches", touches, "--arm-deviation", 1, 0.1), 64, "1 0.1; allowed: 1e-06 to 0.1 m"),
+            (("--touches", touches), 1, "t.csv: the points lie on a line"),
+            (("--touches", behind), 1, "b.csv:2: w: -1; allowed: 0.01 or more"),
+            (("--touches", "no.csv"), 1, "no.csv: No such file"),
+            (("--tool", "a.stl", "--poses", poses, "--guess", 0, 0, 0, 0, 0, 0), 1, "p.csv:2: qw,qx,qy,qz: length 1.4142; allowed: 1"),
+            (("--touches", touches, "--output", "a.yaml", "--scene", CONFIGURATION), 78, "camera: is absent; required"),
+        ):
+            done = calibrate("camera", *words)
+            self.assertEqual(done.returncode, code, (words, done.stdout, done.stderr))
+            self.assertIn(expected, done.stderr)
+
+
 class CommandLine(unittest.TestCase):
     def test_a_plan_is_written_and_drawn(self):
         with tempfile.TemporaryDirectory() as name:
@@ -132,7 +241,7 @@ class CommandLine(unittest.TestCase):
                 self.assertIn(expected, done.stderr)
 
     def test_help_states_examples_and_exit_codes(self):
-        for words in (("--help",), ("wrist", "--help")):
+        for words in (("--help",), ("wrist", "--help"), ("camera", "--help")):
             done = calibrate(*words)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertRegex(done.stdout, r"(?m)^Examples?:$")

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 WIDENINGS = (10.0, 3.0, 1.0)  # of the robust loss, so that gross errors of the start are followed
 ROUNDS = 6  # of the factors after the first fit
 PRIOR_FREEDOM = 4.0  # measurements that a stated deviation counts as
-WEAK = 1e-3  # information without which undetermined directions are not finite: 1/m, 1/rad
+WEAK = 1.0  # 1/m, 1/rad: its square is information without which undetermined directions are not finite
 FEW = 20  # residuals of which a median says nothing
 # Expectations of w r^2 over that of w, of a normally distributed residual r with the robust weight w.
 CONSISTENT = 0.961
