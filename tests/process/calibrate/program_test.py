@@ -127,9 +127,10 @@ class Camera(unittest.TestCase):
         self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
         summary = json.loads(done.stdout)
         error = summary["camera_in_base"]["position"] - self.camera.p
-        print(words[0], "error", np.round(1e3 * error, 2), "mm, 95 % within", np.round(1e3 * np.array(summary["half_widths"]["position"]), 2))
+        half_widths = np.array(summary["half_widths"]["position"])
+        print(words[0], "error", np.round(1e3 * error, 2), "mm, 95 % within", np.round(1e3 * half_widths, 2))
         self.assertLess(np.linalg.norm(error), 4e-3)
-        self.assertTrue((np.abs(error) < 2 * np.array(summary["half_widths"]["position"])).all())
+        self.assertTrue((np.abs(error) < 2 * half_widths).all())
         self.assertEqual(np.shape(summary["covariance"]), (6, 6))
         return yaml.safe_load(output.read_text()), summary
 
@@ -156,8 +157,9 @@ class Camera(unittest.TestCase):
         if (BINARIES / "palpate-sim").exists():
             port = 10000 + os.getpid() % 20000
             urls = [f"bus.{bus}=udpm://239.255.91.7:{port + i}?ttl=0" for i, bus in enumerate(("control", "housekeeping"))]
-            checked = subprocess.run([BINARIES / "palpate-sim", self.folder / "camera.yaml", "--duration", "0.05", "--set", urls[0],
-                                      "--set", urls[1]], capture_output=True, text=True, timeout=600)  # fmt: skip
+            words = ["--duration", "0.05", "--set", urls[0], "--set", urls[1]]
+            checked = subprocess.run([BINARIES / "palpate-sim", self.folder / "camera.yaml", *words], capture_output=True, text=True,
+                                     timeout=600)  # fmt: skip
             self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
     def test_by_the_tool(self):
@@ -206,7 +208,8 @@ class Camera(unittest.TestCase):
             (("--touches", touches), 1, "t.csv: the points lie on a line"),
             (("--touches", behind), 1, "b.csv:2: w: -1; allowed: 0.01 or more"),
             (("--touches", "no.csv"), 1, "no.csv: No such file"),
-            (("--tool", "a.stl", "--poses", poses, "--guess", 0, 0, 0, 0, 0, 0), 1, "p.csv:2: qw,qx,qy,qz: length 1.4142; allowed: 1"),
+            (("--tool", "a.stl", "--poses", poses, "--guess", 0, 0, 0, 0, 0, 0), 1,
+             "p.csv:2: qw,qx,qy,qz: length 1.4142; allowed: 1"),
             (("--touches", touches, "--output", "a.yaml", "--scene", CONFIGURATION), 78, "camera: is absent; required"),
         ):
             done = calibrate("camera", *words)

@@ -1,4 +1,4 @@
-"""CSV files whose first line names their columns, read with checks that name file, line, column, value and what is allowed."""
+"""CSV files whose first line names their columns; wrong ones are reported by file, line, column, value and what is allowed."""
 
 from __future__ import annotations
 
@@ -85,7 +85,8 @@ def _check_names(path: Path, number: int, names: list[str], layout: Layout) -> N
     missing += [name for group in layout.optional for name in group
                 if name not in names and any(other in names for other in group)]  # fmt: skip
     if unknown or missing or len(set(names)) != len(names):
-        what = f"unknown column {unknown[0]!r}" if unknown else f"column {missing[0]!r} is missing" if missing else "a column twice"
+        what = f"column {missing[0]!r} is missing" if missing else "a column twice"
+        what = f"unknown column {unknown[0]!r}" if unknown else what
         raise InputError(f"{path}:{number}: {what}; allowed: {layout.text} in any order")
 
 

@@ -52,7 +52,8 @@ def looking(eye: Floats, target: Floats, roll: float) -> Frame:
 
 def draw_camera(random: np.random.Generator) -> tuple[Frame, Frame]:
     """The camera's pose in W and the guess."""
-    direction = np.array([random.uniform(-0.2, 0.8), random.choice([-1, 1]) * random.uniform(0.5, 1), random.uniform(0.4, 0.9)])
+    forwards, side = random.uniform(-0.2, 0.8), random.choice([-1, 1]) * random.uniform(0.5, 1)
+    direction = np.array([forwards, side, random.uniform(0.4, 0.9)])
     eye = MIDDLE + random.uniform(*DISTANCE) * direction / np.linalg.norm(direction)
     camera = looking(eye, MIDDLE + random.uniform(-0.05, 0.05, 3), random.uniform(-0.2, 0.2))
     off = Rotation.from_rotvec(np.radians(OFF_ANGLE) * unit(random))

@@ -34,7 +34,7 @@ class Recording:
 
 
 def brightness(x: Floats, y: Floats) -> Floats:
-    """0 black, 1 white, -1 beside the sheet, of places on the marker's plane, in sides; x right, y up, 0 in the middle."""
+    """0 black, 1 white, -1 outside of the sheet, of places on the marker's plane, in sides from the middle; x right, y up."""
     squares = len(PATTERN) + 2
     grid = np.zeros((squares, squares))
     grid[1:-1, 1:-1] = PATTERN
@@ -63,7 +63,8 @@ def render(marker: Frame, side: float, random: np.random.Generator) -> NDArray[n
     normal = marker.R.apply([0, 0, 1])
     on_plane = marker.back(rays * ((marker.p @ normal) / (rays @ normal))[:, None]) / side
     value = brightness(on_plane[:, 0], on_plane[:, 1]).reshape(grid_rows.shape)
-    behind = image[np.clip(np.round(grid_rows).astype(int), 0, HEIGHT - 1), np.clip(np.round(grid_columns).astype(int), 0, WIDTH - 1)]
+    nearest = [np.clip(np.round(grid).astype(int), 0, n - 1) for grid, n in ((grid_rows, HEIGHT), (grid_columns, WIDTH))]
+    behind = image[nearest[0], nearest[1]]
     grey = np.where(value < 0, behind, black + value * (white - black))
     height, width = high[1] - low[1], high[0] - low[0]
     image[low[1] : high[1], low[0] : high[0]] = grey.reshape(height, SAMPLES, width, SAMPLES).mean(axis=(1, 3))

@@ -61,7 +61,8 @@ def seen(camera: Frame, flange: Frame, random: np.random.Generator) -> Floats:
     pixels = FOCAL * in_C[:, :2] / in_C[:, 2:] + [WIDTH / 2, HEIGHT / 2]
     low = np.maximum(np.floor(pixels.min(axis=0)) - 4, 0)
     high = np.minimum(np.ceil(pixels.max(axis=0)) + 4, [WIDTH - 1, HEIGHT - 1])
-    columns, rows = (grid.ravel() for grid in np.meshgrid(np.arange(low[0], high[0], STRIDE), np.arange(low[1], high[1], STRIDE)))
+    grids = np.meshgrid(np.arange(low[0], high[0], STRIDE), np.arange(low[1], high[1], STRIDE))
+    columns, rows = (grid.ravel() for grid in grids)
     shift = lateral(len(columns), random)
     taken = camera.R.apply(pixel_rays(columns + shift[0], rows + shift[1]))
     ways = flange.R.inv().apply(taken)

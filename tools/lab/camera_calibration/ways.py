@@ -67,5 +67,6 @@ def score(way: str, seed: int) -> dict[str, Any]:
     error = np.concatenate([fit.pose.p - camera.p, log_rotation(fit.pose.R @ camera.R.as_matrix().T)])
     middle = drawn_camera.MIDDLE
     at_work = fit.pose.of(fit.pose.inverse_of(middle[None])) - fit.pose.of(camera.back(middle[None]))
-    return {"error": error.tolist(), "half_width": fit.half_widths.tolist(), "deviation": np.sqrt(np.diag(fit.covariance)).tolist(),
-            "at_work": float(np.linalg.norm(at_work)), "factors": fit.estimate.factors, "undetermined": len(fit.undetermined)}
+    return {"error": error.tolist(), "half_width": fit.half_widths.tolist(),
+            "deviation": np.sqrt(np.diag(fit.covariance)).tolist(), "at_work": float(np.linalg.norm(at_work)),
+            "factors": fit.estimate.factors, "undetermined": len(fit.undetermined)}  # fmt: skip

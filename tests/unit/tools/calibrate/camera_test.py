@@ -23,7 +23,8 @@ from palpate_common.rotations import exp_rotation, log_rotation
 from palpate_common.surface import Surface, box_surface
 
 # Looks from the side and from above at about (0.6, 0, 0.3).
-CAMERA = Pose(exp_rotation([0.0, 0.0, 0.1]) @ np.array([[1.0, 0, 0], [0, -0.6, 0.8], [0, -0.8, -0.6]]), np.array([0.6, -0.8, 0.9]))
+DOWNWARDS = np.array([[1.0, 0, 0], [0, -0.6, 0.8], [0, -0.8, -0.6]])
+CAMERA = Pose(exp_rotation([0.0, 0.0, 0.1]) @ DOWNWARDS, np.array([0.6, -0.8, 0.9]))
 LENS = Intrinsics(580.0, 575.0, 320.0, 240.0)
 MIDDLE = np.array([0.6, 0.0, 0.3])
 TOUCH = 3e-4  # m
@@ -62,7 +63,8 @@ def touched(count, random, depth=DepthError(2e-3, 1.5e-3), touch=TOUCH, noise=1.
 class Touches(unittest.TestCase):
     def test_exact_pairs_give_the_exact_pose(self):
         exact = touched(6, np.random.default_rng(1), noise=0.0)
-        self.assertLess(np.abs(difference_of(rigid_fit(exact.points_W, exact.points_C))).max(), 1e-7)  # fit_rotation prefers its start a little
+        # fit_rotation prefers its start a little.
+        self.assertLess(np.abs(difference_of(rigid_fit(exact.points_W, exact.points_C))).max(), 1e-7)
         self.assertLess(np.abs(difference_of(fit_touches(exact).pose)).max(), 1e-6)
 
     def test_derivatives(self):
@@ -81,7 +83,8 @@ class Touches(unittest.TestCase):
         self.assertEqual(set(fit.gross(depth)) | set(fit.gross(across) // 2), set(wrong))
 
     def test_with_exact_isotropic_errors_the_covariance_is_the_closed_form(self):
-        # Of n pairs with deviation s of each axis: rotation s^2 (sum over |y|^2 I - y y')^-1 about the middle, position there s^2 / n.
+        # Of n pairs with deviation s of each axis: rotation s^2 (sum over |y|^2 I - y y')^-1 about the middle, position
+        # there s^2 / n.
         random = np.random.default_rng(5)
         picked = touched(400, random, DepthError(1e-12, 1e-12), touch=1e-3)
         fit = fit_touches(picked)
@@ -141,20 +144,20 @@ def flanges_of(count, random, angle=0.8):
 
 
 def reported(flanges, random, arm=ARM):
-    errors = np.hstack([arm.position * random.normal(size=(len(flanges), 3)), arm.rotation * random.normal(size=(len(flanges), 3))])
+    errors = np.repeat([arm.position, arm.rotation], 3) * random.normal(size=(len(flanges), 6))
     return moved_flanges(flanges, errors)
 
 
 MARKER = Pose(exp_rotation([2.2, 0.3, -0.4]), np.array([0.05, -0.03, 0.08]))
 
 
-def seen_marker(count, random, pixel=0.05, arm=ARM, side=0.08, told=0.08, place=None):
+def seen_marker(count, random, pixel=0.05, arm=ARM, side=0.08, stated=0.08, place=None):
     flanges = flanges_of(count, random) if place is None else [Pose(np.eye(3), np.zeros(3))] * count
     on = MARKER if place is None else place.pose
     corners = [LENS.projected(CAMERA.inverse_of(flange.of(on.of(side * CORNERS)))) for flange in flanges]
     corners = [c + pixel * random.normal(size=(4, 2)) for c in corners]
-    told_flanges = reported(flanges, random, arm) if place is None else flanges
-    return SeenMarker("images.csv", LENS, corners, told_flanges, told, 0.005 * told, max(pixel, 1e-3), arm, place)
+    stated_flanges = reported(flanges, random, arm) if place is None else flanges
+    return SeenMarker("images.csv", LENS, corners, stated_flanges, stated, 0.005 * stated, max(pixel, 1e-3), arm, place)
 
 
 class Marker(unittest.TestCase):
@@ -178,7 +181,8 @@ class Marker(unittest.TestCase):
     def test_derivatives(self):
         random = np.random.default_rng(3)
         seen = seen_marker(5, random)
-        state = MarkerState(moved(CAMERA, 0.01 * random.normal(size=6), np.zeros(3)), MARKER, 0.081, 1e-3 * random.normal(size=(5, 6)))
+        off = moved(CAMERA, 0.01 * random.normal(size=6), np.zeros(3))
+        state = MarkerState(off, MARKER, 0.081, 1e-3 * random.normal(size=(5, 6)))
         check_derivatives(self, MarkerProblem(seen), state, 2e-3)  # the arm's rotations add up to the first order only
         exact = MarkerState(state.camera, MARKER, 0.081, np.zeros((5, 6)))
         check_derivatives(self, MarkerProblem(seen), exact)
@@ -202,7 +206,8 @@ class Marker(unittest.TestCase):
     def test_turns_about_one_axis_only_leave_a_direction_open_which_is_named(self):
         random = np.random.default_rng(5)
         axis = np.array([0.0, 0, 1])
-        flanges = [Pose(exp_rotation(angle * axis), MIDDLE + random.uniform(-0.1, 0.1, 3)) for angle in np.linspace(-0.6, 0.6, 8)]
+        angles = np.linspace(-0.6, 0.6, 8)
+        flanges = [Pose(exp_rotation(angle * axis), MIDDLE + random.uniform(-0.1, 0.1, 3)) for angle in angles]
         corners = [LENS.projected(CAMERA.inverse_of(flange.of(MARKER.of(0.08 * CORNERS)))) for flange in flanges]
         fit = fit_marker(SeenMarker("i", LENS, corners, flanges, 0.08, 4e-4, 0.05, ARM))
         self.assertIn("position along (0.00 0.00 1.00)", fit.undetermined)
@@ -225,7 +230,8 @@ class Marker(unittest.TestCase):
 
 
 PALM, THUMB = box_surface([0.12, 0.09, 0.1]), box_surface([0.03, 0.03, 0.09])
-TOOL = Surface(np.concatenate([PALM.nodes, THUMB.nodes + [0.02, 0.03, 0.1]]), np.concatenate([PALM.triangles, THUMB.triangles + 8]))
+TOOL = Surface(np.concatenate([PALM.nodes, THUMB.nodes + [0.02, 0.03, 0.1]]),
+               np.concatenate([PALM.triangles, THUMB.triangles + 8]))  # fmt: skip
 
 
 def seen_tool(count, random, noise=1e-3, arm=ARM, guess=CAMERA):
@@ -238,7 +244,8 @@ def seen_tool(count, random, noise=1e-3, arm=ARM, guess=CAMERA):
         faces = (np.einsum("ij,ij->i", TOOL.normals[of], eye - points) > 0.05) & ~inside
         in_C = CAMERA.inverse_of(flange.of(points[faces]))
         clouds.append(in_C * (1 + noise * in_C[:, 2:] * random.normal(size=(len(in_C), 1))))
-    return ToolClouds("clouds.csv", TOOL, reported(flanges, random, arm), clouds, guess, 0.1, DepthError(max(noise, 1e-4), 1e-4), arm)
+    error = DepthError(max(noise, 1e-4), 1e-4)
+    return ToolClouds("clouds.csv", TOOL, reported(flanges, random, arm), clouds, guess, 0.1, error, arm)
 
 
 class Tool(unittest.TestCase):

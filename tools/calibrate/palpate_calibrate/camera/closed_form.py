@@ -35,8 +35,8 @@ def eye_to_hand(flanges: list[Pose], markers: list[Pose]) -> tuple[Pose, Pose]:
     """X_WC and X_EM of X_WE X_EM = X_WC X_CM, (k) each.
 
     Rotations by the dominant singular vectors of a sum of Kronecker products, then positions by linear least squares (Shah
-    2013, Solving the robot-world/hand-eye calibration problem using the Kronecker product). Images whose pose contradicts the
-    others are left out: a small planar marker looks nearly alike in two poses.
+    2013, Solving the robot-world/hand-eye calibration problem using the Kronecker product). Images whose pose contradicts
+    the others are left out: a small planar marker looks nearly alike in two poses.
     """
     used = list(range(len(flanges)))
     for _ in range(ROUNDS):

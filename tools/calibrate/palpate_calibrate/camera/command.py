@@ -10,25 +10,25 @@ from palpate_calibrate.camera import defaults
 from palpate_calibrate.camera.marker_images import DICTIONARIES
 from palpate_common.command_line import Number, Parser
 
-DESCRIPTION = """Measures where a depth camera stands: its pose X_WC in the robot's base W, with a 6 x 6 covariance and 95 % intervals, in one
-of three ways: by points that the robot touched and that were picked in the camera's cloud (--touches), by the robot's
+DESCRIPTION = """Measures where a depth camera stands: its pose X_WC in the robot's base W, with a 6 x 6 covariance and
+95 % intervals, in one of three ways: by points that the robot touched and that were picked in the camera's cloud (--touches), by the robot's
 own hand in clouds at several poses of the flange (--tool), or by an ArUco marker on the flange in images (--marker).
 C: z forwards, x right, y down. Lengths in m; quaternions w first.
 """
 TAIL = """
---touches: CSV whose first line names the columns x,y,z (touched, in W: the probe's tip at contact less its radius) and u,v,w (the same
-point picked in C). Ten points or more, spread over the workspace in all three directions, on faces, not on edges. With
+--touches: CSV whose first line names the columns x,y,z (touched, in W: the probe's tip at contact less its radius) and
+u,v,w (the same point picked in C). Ten points or more, spread over the workspace in all three directions, on faces, not on edges. With
 --cloud (PLY, PCD, XYZ or NPY, in C) a pick's depth is that of the plane through the cloud around it, which errs less.
---poses: CSV with the columns file (a cloud of --tool or an image of --marker, relative to the CSV), x,y,z,qw,qx,qy,qz: pose of the
-flange in W, at rest. Ten or more, over the whole workspace, with rotations of 30 degrees or more about all axes.
---tool: mesh in the flange's frame (STL, OBJ, Gmsh), with what is bolted to it; clouds in C, of the whole scene or of the hand alone.
-Needs --guess: about 30 mm and 3 degrees suffice.
---marker: its number in the dictionary; where it sits on the flange is sought, too. --intrinsics: YAML with fx, fy, cx, cy (pixels) and
-optionally distortion: [k1, k2, p1, p2, k3]. C is the frame of the images: take those of the depth camera itself (infrared),
+--poses: CSV with the columns file (a cloud of --tool or an image of --marker, relative to the CSV), x,y,z,qw,qx,qy,qz:
+pose of the flange in W, at rest. Ten or more, over the whole workspace, with rotations of 30 degrees or more about all axes.
+--tool: mesh in the flange's frame (STL, OBJ, Gmsh), with what is bolted to it; clouds in C, of the whole scene or of the
+hand alone. Needs --guess: about 30 mm and 3 degrees suffice.
+--marker: its number in the dictionary; where it sits on the flange is sought, too. --intrinsics: YAML with fx, fy,
+cx, cy (pixels) and optionally distortion: [k1, k2, p1, p2, k3]. C is the frame of the images: take those of the depth camera itself (infrared),
 or colour images to which the depths are registered. Needs python3-opencv. A marker on a known place instead of the
 flange: --marker-in-base; one image then suffices, and --poses needs the column file only.
-Stated deviations are starting values: the residuals correct them. What all poses of the arm have in common cannot be found: the
-pose is that in the base as the arm reports it.
+Stated deviations are starting values: the residuals correct them. What all poses of the arm have in common cannot be
+found: the pose is that in the base as the arm reports it.
 --output: YAML with camera_in_base; with --scene a scene of palpate-sim with this camera.
 
 Examples:
@@ -62,15 +62,16 @@ def camera_parser() -> Parser:
     add("--dictionary", choices=DICTIONARIES, default=DICTIONARIES[0], help="of the marker")
     add("--intrinsics", type=Path, help="of --marker: YAML of the camera's lens")
     add("--marker-in-base", type=_COORDINATE, nargs=6,
-        help="X_WM of a marker that the arm does not carry: position, m, roll, pitch, yaw, degrees; M: x right, y up, z towards "
-             "the viewer")  # fmt: skip
+        help="X_WM of a marker that the arm does not carry: position, m, roll, pitch, yaw, degrees; M: x right, y up, "
+             "z towards the viewer")  # fmt: skip
     add("--marker-place-error", type=float, nargs=2, default=list(defaults.PLACE),
         help="of --marker-in-base: standard deviations of each axis, m and degrees")  # fmt: skip
     add("--touch-deviation", type=_DEVIATION, default=defaults.TOUCH_DEVIATION,
         help="standard deviation of each axis of a touched point, m")  # fmt: skip
     add("--depth-deviation", type=_DEVIATION, nargs=2, default=[defaults.DEPTH.along_at_1_m, defaults.DEPTH.across_at_1_m],
         help="of a point 1 m in front of the camera, along and across the viewing ray, m")  # fmt: skip
-    add("--pixel-deviation", type=Number(1e-3, 10), default=defaults.CORNER_DEVIATION, help="of a marker's corner, pixels, 0.001 to 10")
+    add("--pixel-deviation", type=Number(1e-3, 10), default=defaults.CORNER_DEVIATION,
+        help="of a marker's corner, pixels, 0.001 to 10")  # fmt: skip
     add("--arm-deviation", type=float, nargs=2, default=[defaults.ARM.position, defaults.ARM_DEGREES],
         help="of the flange's pose, the part that varies from pose to pose: each axis, m and degrees")  # fmt: skip
     add("--output", type=Path, help="file for the YAML with camera_in_base")
@@ -81,7 +82,9 @@ def camera_parser() -> Parser:
 
 
 def _check_pair(parser: Parser, name: str, values: Optional[list[float]]) -> None:
-    if values is not None and not (_DEVIATION.low <= values[0] <= _DEVIATION.high and _ANGLE.low <= values[1] <= _ANGLE.high):
+    if values is None:
+        return
+    if not (_DEVIATION.low <= values[0] <= _DEVIATION.high and _ANGLE.low <= values[1] <= _ANGLE.high):
         parser.error(f"argument {name}: {values[0]:g} {values[1]:g}; allowed: {_DEVIATION.low:g} to {_DEVIATION.high:g} m, "
                      f"{_ANGLE.low:g} to {_ANGLE.high:g} degrees")  # fmt: skip
 

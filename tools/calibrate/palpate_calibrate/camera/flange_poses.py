@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 POSITION, QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 LARGEST = 100.0  # m
 LAYOUT = Layout(("file", *POSITION, *QUATERNION), (),
-                {**{name: (-LARGEST, LARGEST) for name in POSITION}, **{name: (-1.001, 1.001) for name in QUATERNION}})  # fmt: skip
+                {**dict.fromkeys(POSITION, (-LARGEST, LARGEST)), **dict.fromkeys(QUATERNION, (-1.001, 1.001))})  # fmt: skip
 IMAGES_ONLY = Layout(("file",), (POSITION + QUATERNION,), LAYOUT.ranges)  # of a marker that the arm does not carry
 
 
@@ -68,8 +68,10 @@ def error_groups(errors: Floats, arm: ArmError, first: int, count: int) -> list[
     """The arm's errors, (n, 6), as measurements of zero; they are the parameters from `first` on of `count`."""
     n = len(errors)
     found = []
-    for name, part, deviation, factor, unit in (("arm's position", slice(0, 3), arm.position, 1e3, "mm"),
-                                                ("arm's rotation", slice(3, 6), arm.rotation, np.degrees(1), "degree")):  # fmt: skip
+    for name, part, deviation, factor, unit in (
+        ("arm's position", slice(0, 3), arm.position, 1e3, "mm"),
+        ("arm's rotation", slice(3, 6), arm.rotation, np.degrees(1), "degree"),
+    ):
         J = np.zeros((n, 3, count))
         for k in range(n):
             columns = first + 6 * k + np.arange(6)[part]

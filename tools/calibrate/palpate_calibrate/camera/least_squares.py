@@ -1,8 +1,8 @@
 """Robust least squares with estimated variances of groups of measurements.
 
-Each group (depths, pixels, errors of the arm's poses) has a stated deviation per measurement, and a factor on all of them that is
-estimated together with the parameters: Foerstner 1979, Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, whose
-iteration ends at the restricted maximum likelihood. The intervals are those of Student's distribution with the freedom of
+Each group (depths, pixels, errors of the arm's poses) has a stated deviation per measurement, and a factor on all of them
+that is estimated together with the parameters: Foerstner 1979, Ein Verfahren zur Schaetzung von Varianz- und
+Kovarianzkomponenten, whose iteration ends at the restricted maximum likelihood. The intervals are those of Student's distribution with the freedom of
 Satterthwaite 1946, since the factors are uncertain, too.
 """
 
@@ -132,7 +132,7 @@ def _by_median(groups: list[Group], factors: dict[str, float]) -> dict[str, floa
 
 
 def _components(groups: list[Group], factors: dict[str, float]) -> tuple[Floats, list[Floats], dict[str, float]]:
-    """Covariance, (p, p), each group's part of the information, and each group's redundancy: measurements less parameters."""
+    """Covariance, (p, p), each group's part of the information, and its redundancy: measurements less parameters."""
     parts, sizes = [], []
     for group in groups:
         w = _weights(group, factors[group.name], 1.0)

@@ -97,7 +97,8 @@ class MarkerProblem:
                 J[:, :, columns : columns + 3], J[:, :, columns + 3 : columns + 6] = A, -A @ cross_matrix(in_W - flange.p)
             rows.append(J.reshape(8, -1))
         deviation = np.full(8 * len(rows), seen.pixel_deviation)
-        corners = Group("corners", np.concatenate(r) / deviation, np.concatenate(rows) / deviation[:, None], deviation, "px", True, True)
+        corners = Group("corners", np.concatenate(r) / deviation, np.concatenate(rows) / deviation[:, None], deviation, "px",
+                        True, True)  # fmt: skip
         if seen.place is None:
             return [corners, self._size(state), *error_groups(state.errors, seen.arm, 13, self._count)]
         return [corners, self._size(state), self._of_place(state, seen.place)]

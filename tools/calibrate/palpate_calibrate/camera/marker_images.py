@@ -13,7 +13,8 @@ from palpate_calibrate.camera.square_edges import square_corners
 from palpate_common.errors import InputError
 
 Floats = NDArray[np.float64]
-DICTIONARIES = ("4x4_50", "4x4_100", "4x4_250", "5x5_50", "5x5_100", "5x5_250", "6x6_50", "6x6_100", "6x6_250", "aruco_original")
+DICTIONARIES = ("4x4_50", "4x4_100", "4x4_250", "5x5_50", "5x5_100", "5x5_250",
+                "6x6_50", "6x6_100", "6x6_250", "aruco_original")
 
 
 def opencv() -> ModuleType:

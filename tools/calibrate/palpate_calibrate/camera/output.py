@@ -17,7 +17,8 @@ from palpate_common.section import read_configuration_section
 
 def pose_section(pose: Pose) -> dict[str, list[float]]:
     """`position`, m, and `quaternion`, w first."""
-    return {"position": [round(float(v), 6) + 0.0 for v in pose.p], "quaternion": [round(float(v), 8) + 0.0 for v in to_wxyz(pose.R)]}
+    return {"position": [round(float(v), 6) + 0.0 for v in pose.p],
+            "quaternion": [round(float(v), 8) + 0.0 for v in to_wxyz(pose.R)]}  # fmt: skip
 
 
 def check_scene(scene: Path) -> None:
@@ -27,7 +28,7 @@ def check_scene(scene: Path) -> None:
 
 def yaml_text(fit: CameraFit, scene: Optional[Path], output: Path) -> str:
     """`camera_in_base`, or with a scene the whole of it, by `base`, with this camera. The covariance is a comment."""
-    half = " ".join(f"{1e3 * v:.2g}" for v in fit.half_widths[:3]), " ".join(f"{v:.2g}" for v in np.degrees(fit.half_widths[3:]))
+    half = [" ".join(f"{v:.2g}" for v in part) for part in (1e3 * fit.half_widths[:3], np.degrees(fit.half_widths[3:]))]
     lines = [f"# Written by palpate-calibrate camera from {fit.source}, by {fit.way}",
              "# Pose of the camera in the robot's base: z forwards, x right, y down; m, quaternion w first.",
              f"# 95 % intervals about the base's axes: position +- {half[0]} mm, rotation +- {half[1]} degree",

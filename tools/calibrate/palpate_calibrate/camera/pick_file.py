@@ -58,7 +58,8 @@ def with_depths_of(cloud: Floats, picked: PickedTouches, radius: float) -> tuple
         else:
             points[i] = depth * np.append(at, 1.0)
     if near == 0:
-        raise InputError(f"{picked.source}: no pick lies within {radius:g} m of the cloud; allowed: picks and cloud in one frame C")
+        raise InputError(f"{picked.source}: no pick lies within {radius:g} m of the cloud; allowed: "
+                         "picks and cloud in one frame C")  # fmt: skip
     return PickedTouches(picked.source, picked.points_W, points, picked.touch_deviation, picked.error), kept
 
 

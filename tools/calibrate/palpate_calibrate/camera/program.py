@@ -42,7 +42,8 @@ def _by_touches(options: argparse.Namespace) -> tuple[CameraFit, list[str]]:
     if options.cloud:
         picked, kept = with_depths_of(read_cloud(options.cloud), picked, options.pick_radius)
         if kept:
-            notes.append(f"Picks that keep their depth, since the cloud around them is no plane: {', '.join(str(i + 1) for i in kept)}")
+            numbers = ", ".join(str(i + 1) for i in kept)
+            notes.append(f"Picks that keep their depth, since the cloud around them is no plane: {numbers}")
     return fit_touches(picked), notes
 
 

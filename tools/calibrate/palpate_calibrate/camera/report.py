@@ -12,7 +12,7 @@ from palpate_common.rotations import to_rpy, to_wxyz
 
 _ADVICE = {"touches": "touch points that are spread over the workspace in all directions",
            "tool": "add clouds with the flange in other places and directions, in which more of the tool is seen",
-           "marker": "add images with the flange in other places, and rotated by 30 degrees or more about all axes"}  # fmt: skip
+           "marker": "add images with the flange in other places, rotated by 30 degrees or more about all axes"}  # fmt: skip
 
 
 def _groups(fit: CameraFit) -> list[dict[str, Any]]:
@@ -20,7 +20,7 @@ def _groups(fit: CameraFit) -> list[dict[str, Any]]:
     for group in fit.estimate.groups:
         residuals = fit.residuals(group)
         found.append({"name": group.name, "count": len(residuals), "rms": float(np.sqrt(np.mean(residuals**2))),
-                      "deviation": fit.deviation(group), "unit": group.unit, "gross": [int(i) for i in fit.gross(group)]})  # fmt: skip
+                      "deviation": fit.deviation(group), "unit": group.unit, "gross": fit.gross(group).tolist()})  # fmt: skip
     return found
 
 

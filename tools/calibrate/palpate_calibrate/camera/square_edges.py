@@ -1,7 +1,7 @@
 """Corners of a dark square on a bright ground as intersections of its edges.
 
-A corner that is searched for in its own surroundings moves inwards with the blur of the image, by a fifth of a pixel and more, and
-the marker seems smaller and farther away. A straight edge keeps its place.
+A corner that is searched for in its own surroundings moves inwards with the blur of the image, by a fifth of a pixel and
+more, and the marker seems smaller and farther away. A straight edge keeps its place.
 """
 
 from __future__ import annotations

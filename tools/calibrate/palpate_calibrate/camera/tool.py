@@ -55,14 +55,16 @@ class ToolClouds:
             feet = self.tool.closest(in_E)[0] if len(some) else in_E
             some = some[np.linalg.norm(in_E - feet, axis=1) < reach]
             if len(some) < FEWEST_POINTS:
-                raise InputError(f"{self.source}: cloud {k + 1}: {len(some)} points within {reach:g} m of the tool at the guess; "
-                                 f"allowed: {FEWEST_POINTS} or more")  # fmt: skip
+                raise InputError(f"{self.source}: cloud {k + 1}: {len(some)} points within {reach:g} m of the tool at the "
+                                 f"guess; allowed: {FEWEST_POINTS} or more")  # fmt: skip
             found.append(some[_evenly(len(some), most)])
         return found
 
 
 def _evenly(count: int, most: int) -> NDArray[np.int64]:
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64)) if count else np.zeros(0, np.int64)
+    if count == 0:
+        return np.zeros(0, np.int64)
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +103,8 @@ class ToolProblem:
         J[:, :6] = np.hstack([g, np.cross(points_W - state.camera.p, g)])
         columns = 6 + 6 * self._view[:, None] + np.arange(6)
         J[np.arange(n)[:, None], columns] = -np.hstack([g, np.cross(points_W - p_WE, g)])
-        of_cloud = Group("distance from the tool", distance / deviation, J / deviation[:, None], 1e3 * deviation, "mm", True, True)
+        of_cloud = Group("distance from the tool", distance / deviation, J / deviation[:, None], 1e3 * deviation, "mm",
+                         True, True)  # fmt: skip
         return [of_cloud, *error_groups(state.errors, self._seen.arm, 6, self._count)]
 
     def stepped(self, state: ToolState, step: Floats) -> ToolState:

@@ -88,7 +88,8 @@ class TouchProblem:
             a = (directions @ state.R.T).reshape(-1, 3)
             turns = np.cross(np.repeat(arm, directions.shape[1], axis=0), a)
             r = np.einsum("nki,ni->nk", directions, error).ravel()
-            found.append(Group(name, r / deviation, np.hstack([a, turns]) / deviation[:, None], 1e3 * deviation, "mm", True, True))
+            J = np.hstack([a, turns]) / deviation[:, None]
+            found.append(Group(name, r / deviation, J, 1e3 * deviation, "mm", True, True))
         return found
 
     def stepped(self, state: Pose, step: Floats) -> Pose:
