@@ -21,8 +21,8 @@ def undetermined_directions(covariance: Floats) -> list[str]:
 
 
 def _principal(covariance: Floats) -> tuple[Floats, Floats]:
-    """Variances, (3,), and unit directions, (3, 3), one a row, each with its largest part positive."""
+    """Variances, (3,), and directions, (3, 3), one a row, unit vectors rounded to 0.01, each with its largest part positive."""
     variances, axes = np.linalg.eigh(covariance)
     axes = axes.T
     largest = axes[np.arange(3), np.abs(axes).argmax(axis=1)]
-    return variances, axes * np.sign(largest)[:, None] + 0.0
+    return variances, np.round(axes * np.sign(largest)[:, None], 2) + 0.0
