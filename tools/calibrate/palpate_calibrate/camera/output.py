@@ -26,6 +26,12 @@ def check_scene(scene: Path) -> None:
     read_configuration_section(scene).section("camera")
 
 
+def _replaced(scene: Path) -> list[str]:
+    """Keys of the scene that a pose excludes; an empty entry removes them."""
+    camera = read_configuration_section(scene).section("camera")
+    return [key for key in ("eye", "target") if camera.has(key)]
+
+
 def yaml_text(fit: CameraFit, scene: Optional[Path], output: Path) -> str:
     """`camera_in_base`, or with a scene the whole of it, by `base`, with this camera. The covariance is a comment."""
     half = [" ".join(f"{v:.2g}" for v in part) for part in (1e3 * fit.half_widths[:3], np.degrees(fit.half_widths[3:]))]
@@ -38,5 +44,5 @@ def yaml_text(fit: CameraFit, scene: Optional[Path], output: Path) -> str:
     document: dict[str, Any] = {"camera_in_base": pose_section(fit.pose)}
     if scene is not None:
         document = {"base": os.path.relpath(scene.resolve(), output.resolve().parent),
-                    "camera": {"eye": None, "target": None, "pose": pose_section(fit.pose)}}  # fmt: skip
+                    "camera": {**dict.fromkeys(_replaced(scene)), "pose": pose_section(fit.pose)}}  # fmt: skip
     return "\n".join(lines) + "\n" + yaml.safe_dump(document, sort_keys=False, default_flow_style=None, width=120)
