@@ -18,13 +18,12 @@ sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("register", "commo
 import numpy as np  # noqa: E402
 
 from palpate_common.cloud_files import read_cloud  # noqa: E402
-from palpate_register.configuration import read_configuration  # noqa: E402
-from palpate_common.section import SectionError  # noqa: E402
-from palpate_common.errors import InputError  # noqa: E402
+from palpate_common.input_error import InputError  # noqa: E402
 from palpate_common.mesh_files import read_surface  # noqa: E402
-from palpate_common.rotations import exp_rotation, from_wxyz  # noqa: E402
 from palpate_common.pose import Pose, difference  # noqa: E402
+from palpate_common.rotations import exp_rotation, from_wxyz  # noqa: E402
 from palpate_common.surface import box_surface  # noqa: E402
+from palpate_register.configuration import read_configuration  # noqa: E402
 from palpate_register.touch_file import read_touches  # noqa: E402
 
 PROGRAM = BINARIES / "palpate-register"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Optional
 
@@ -16,15 +15,14 @@ from palpate_calibrate.fit import Options, fit_wrist
 from palpate_calibrate.json_output import write_json
 from palpate_calibrate.log_input import read_logs
 from palpate_calibrate.plan import Room, plan_poses
-from palpate_calibrate.recording import Mounting, Recording, RecordingError
+from palpate_calibrate.recording import Mounting, Recording
 from palpate_calibrate.residual_plot import plot_residuals
 from palpate_calibrate.table_input import read_description
-from palpate_common.command_line import Number, Parser
-from palpate_common.errors import InputError
+from palpate_common.command_line import Number, Parser, exit_code_of
+from palpate_common.input_error import InputError
 from palpate_common.rotations import from_rpy
-from palpate_common.section import SectionError, read_section
+from palpate_common.section import read_section
 
-FAILED, WRONG_CONFIGURATION = 1, 78
 PRESETS = Path(__file__).resolve().parents[1] / "presets"
 LARGEST_ROOM = 0.1  # m, of the plan about its start without a configuration
 
@@ -92,7 +90,6 @@ def wrist_parser() -> Parser:
     return parser
 
 
-
 def _read(options: argparse.Namespace, configuration: Optional[Configuration]) -> tuple[Recording, Mounting, bool]:
     """Recording, mounting, and whether gravity's direction is unknown."""
     first = Path(options.recording[0])
@@ -101,7 +98,7 @@ def _read(options: argparse.Namespace, configuration: Optional[Configuration]) -
         is_preset = description is not first
         folder = Path(options.data) if options.data else description.parent
         if is_preset and not options.data:
-            raise RecordingError(f"{first}: a preset; --data names the folder of its files")
+            raise InputError(f"{first}: a preset; --data names the folder of its files")
         if is_preset and (folder / first.name).is_dir():
             folder = folder / first.name
         described = read_description(read_section(description), folder)
@@ -155,7 +152,8 @@ def _fit(options: argparse.Namespace, configuration: Optional[Configuration]) ->
         print(report.table(fit))
 
 
-def wrist(words: list[str]) -> None:
+def wrist(words: list[str]) -> int:
+    """Returns the exit code. Raises InputError and OSError."""
     parser = wrist_parser()
     options = parser.parse_args(words)
     if options.plan == bool(options.recording):
@@ -164,22 +162,14 @@ def wrist(words: list[str]) -> None:
         parser.error("--plan: --start is required")
     configuration = read_configuration(Path(options.config), options.arm) if options.config else None
     (_plan if options.plan else _fit)(options, configuration)
+    return 0
 
 
 def main(words: list[str], version: str) -> int:
     top = Parser("palpate-calibrate", TOP_DESCRIPTION, "[OPTIONS] SUBCOMMAND", TOP_TAIL)
     top.add_argument("--version", action="version", version=version, help="Display program version information and exit")
-    try:
-        if words and words[0] == "wrist":
-            wrist(words[1:])
-            return 0
-        if words and words[0] == "camera":
-            return camera.main(words[1:])
-        top.parse_args(words)
-        top.error("a subcommand is required; allowed: wrist, camera")
-    except SectionError as error:
-        print(f"palpate-calibrate: {error}", file=sys.stderr)
-        return WRONG_CONFIGURATION
-    except (RecordingError, InputError, OSError) as error:
-        print(f"palpate-calibrate: {error}", file=sys.stderr)
-        return FAILED
+    subcommands = {"wrist": wrist, "camera": camera.main}
+    if words and words[0] in subcommands:
+        return exit_code_of("palpate-calibrate", lambda: subcommands[words[0]](words[1:]))
+    top.parse_args(words)
+    top.error(f"a subcommand is required; allowed: {', '.join(subcommands)}")

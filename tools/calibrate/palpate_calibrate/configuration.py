@@ -11,7 +11,7 @@ import numpy as np
 from palpate_calibrate.recording import Mounting
 from palpate_common.frames import rotation_and_position
 from palpate_common.rotations import Array
-from palpate_common.section import Section, SectionError, plain, read_configuration_section
+from palpate_common.section import Section, plain, read_configuration_section
 
 WRIST_COMPONENTS = ("ft_newton_euler", "ft_rnnob")
 
@@ -31,15 +31,14 @@ class Configuration:
 
 
 def read_configuration(file: Path, arm: int) -> Configuration:
-    """Raises SectionError. palpated --check validates the rest of the file."""
+    """Raises InputError. palpated --check validates the rest of the file."""
     top = read_configuration_section(file)
     of_arm = top if arm == 0 else top.optional("second_arm")
     frames = of_arm.optional("frames")
     sensing = [plain(item.values) for item in top.sections("sensing", [])]
     wrists = [i for i, item in enumerate(sensing) if item.get("component") in WRIST_COMPONENTS and item.get("arm", 0) == arm]
     if not wrists:
-        raise SectionError(f"{file}: sensing: no instance for arm {arm} of {', '.join(WRIST_COMPONENTS)}, "
-                           "which have a payload")  # fmt: skip
+        top.fail("sensing", f"no instance for arm {arm} of {', '.join(WRIST_COMPONENTS)}, which have a payload")
     R_ES, p_ES = rotation_and_position(frames.optional("sensor_in_flange"))
     R_EI, p_EI = rotation_and_position(frames.optional("imu_in_flange"))
     gravity = frames.numbers("gravity_in_base", 3, -20, 20, [0, 0, -9.81])

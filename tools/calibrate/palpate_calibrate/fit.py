@@ -11,9 +11,10 @@ from palpate_calibrate.freedom import degrees_of_freedom
 from palpate_calibrate.motion import LARGEST_DELAY, Motion, MotionSample
 from palpate_calibrate.noise_model import Deviations, Group, Information, Kernels
 from palpate_calibrate.parameters import BLOCKS, Block, WristParameters, point_inertia
-from palpate_calibrate.recording import Mounting, Recording, RecordingError
+from palpate_calibrate.recording import Mounting, Recording
 from palpate_calibrate.start import start_values
 from palpate_calibrate.wrist_model import load_wrench, predict
+from palpate_common.input_error import InputError
 from palpate_common.rotations import Array
 
 SMALLEST_STEP = 0.02  # standard deviations; the iteration ends below it
@@ -168,9 +169,9 @@ def _load(parameters: WristParameters, gravity: Array, sample: MotionSample) -> 
 
 
 def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Options()) -> WristFit:
-    """Raises RecordingError where the recording is too short or holds too few poses."""
+    """Raises InputError where the recording is too short or holds too few poses."""
     if recording.at_rest and len(recording.pose.time) < FEWEST_POSES:
-        raise RecordingError(f"{recording.name}: {len(recording.pose.time)} poses; allowed: {FEWEST_POSES} or more")
+        raise InputError(f"{recording.name}: {len(recording.pose.time)} poses; allowed: {FEWEST_POSES} or more")
     motion = Motion(recording, options.most_samples)
     signals = _signals(recording, motion)
     if recording.at_rest:
@@ -219,8 +220,8 @@ def fit_wrist(recording: Recording, mounting: Mounting, options: Options = Optio
                 group.update_weights()
     for name, delay in (("wrench", parameters.wrench_delay), ("imu", parameters.imu_delay)):
         if not motion.at_rest and abs(delay) > LARGEST_DELAY:
-            raise RecordingError(f"{recording.name}: the delay of {name} is {delay:.3f} s; allowed: {-LARGEST_DELAY} to "
-                                 f"{LARGEST_DELAY} s; are the clocks of the streams the same?")  # fmt: skip
+            raise InputError(f"{recording.name}: the delay of {name} is {delay:.3f} s; allowed: {-LARGEST_DELAY} to "
+                             f"{LARGEST_DELAY} s; are the clocks of the streams the same?")  # fmt: skip
     outliers = int(sum((group.weights < 0.5).sum() for group in groups.values()))
     most = max(3.0 * len(motion.time) * len(groups) - len(problem.prior), 3.0)
     freedom = np.full(len(problem.prior), most)

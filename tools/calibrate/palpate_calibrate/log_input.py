@@ -6,7 +6,8 @@ from typing import Sequence
 
 import numpy as np
 
-from palpate_calibrate.recording import Recording, RecordingError, Stream
+from palpate_calibrate.recording import Recording, Stream
+from palpate_common.input_error import InputError
 from palpate_common.rotations import Array, from_wxyz
 
 
@@ -16,26 +17,26 @@ def channel_of(name: str, arm: int) -> str:
 
 
 def read_logs(paths: Sequence[str], arm: int, clock: str, gravity: Array) -> Recording:
-    """`clock`: "received", that of the recording computer, or "sent", those of the senders. Raises RecordingError."""
+    """`clock`: "received", that of the recording computer, or "sent", those of the senders. Raises InputError."""
     try:
         import palpate
     except ImportError as error:
-        raise RecordingError(f"LCM logs need the Python package palpate: {error}; remedy: apt-get install python3-palpate") from error
+        raise InputError(f"LCM logs need the Python package palpate: {error}; remedy: apt-get install python3-palpate") from error
     try:
         log = palpate.read_log(*paths, clock=clock)
     except (OSError, ValueError) as error:
-        raise RecordingError(f"{', '.join(map(str, paths))}: {error}") from error
+        raise InputError(f"{', '.join(map(str, paths))}: {error}") from error
     named = ", ".join(map(str, paths))
     for name in ("ROBOT_STATE", "FT_WRENCH"):
         if channel_of(name, arm) not in log:
-            raise RecordingError(f"{named}: no {channel_of(name, arm)}; the log has: {', '.join(log.channels) or 'nothing'}; "
-                                 "record with palpate-record while the arm moves")  # fmt: skip
+            raise InputError(f"{named}: no {channel_of(name, arm)}; the log has: {', '.join(log.channels) or 'nothing'}; "
+                             "record with palpate-record while the arm moves")  # fmt: skip
     robot, wrench = log[channel_of("ROBOT_STATE", arm)], log[channel_of("FT_WRENCH", arm)]
     norms = np.linalg.norm(robot.quaternion, axis=1)
     wrong = np.flatnonzero(np.abs(norms - 1) > 1e-3)
     if wrong.size:
-        raise RecordingError(f"{named}: ROBOT_STATE.quaternion: length {norms[wrong[0]]:.6g} at {robot.time[wrong[0]]:.3f} s; "
-                             "allowed: 1")  # fmt: skip
+        raise InputError(f"{named}: ROBOT_STATE.quaternion: length {norms[wrong[0]]:.6g} at {robot.time[wrong[0]]:.3f} s; "
+                         "allowed: 1")  # fmt: skip
     rotations = from_wxyz(robot.quaternion).reshape(-1, 9)
     recording = Recording(named, Stream("ROBOT_STATE", robot.time, np.hstack([robot.position, rotations])),
                           Stream("FT_WRENCH", wrench.time, wrench.wrench), gravity=gravity)  # fmt: skip

@@ -8,8 +8,9 @@ from typing import Callable
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from palpate_calibrate.recording import Recording, RecordingError, Stream
+from palpate_calibrate.recording import Recording, Stream
 from palpate_calibrate.smoothing import REACH, smooth, spline
+from palpate_common.input_error import InputError
 from palpate_common.rotations import Array, cross, log_rotation, to_wxyz
 
 FIRST_DEVIATION = 0.02  # s, of the kernel that is applied to the poses before they are differentiated
@@ -58,8 +59,8 @@ class Motion:
         begin = max(s.time[0] for s in streams) + margin
         end = min(s.time[-1] for s in streams) - margin
         if end - begin < SHORTEST:
-            raise RecordingError(f"{recording.name}: {max(0.0, end - begin):.1f} s in which all of "
-                                 f"{', '.join(s.name for s in streams)} arrive; allowed: {SHORTEST:g} s or more")  # fmt: skip
+            raise InputError(f"{recording.name}: {max(0.0, end - begin):.1f} s in which all of "
+                             f"{', '.join(s.name for s in streams)} arrive; allowed: {SHORTEST:g} s or more")  # fmt: skip
         self.time = np.linspace(begin, end, min(most_samples, int((end - begin) / (1.5 * DEVIATION)) + 1))
         self._table(recording.pose, rotations, begin - LARGEST_DELAY, end + LARGEST_DELAY)
         self.position = self._positions(self.time)

@@ -7,16 +7,13 @@ from typing import Optional
 
 import numpy as np
 
+from palpate_common.input_error import InputError
 from palpate_common.rotations import Array
-
-
-class RecordingError(Exception):
-    """The recording cannot be used; the message names file, key, value and what is allowed."""
 
 
 @dataclass
 class Stream:
-    """One sensor. Raises RecordingError if its times do not increase or a value is not finite."""
+    """One sensor. Raises InputError if its times do not increase or a value is not finite."""
 
     name: str
     time: Array  # s, (n,); of poses at rest: their number
@@ -27,7 +24,7 @@ class Stream:
         self.time, self.values = np.asarray(self.time, float)[order], np.asarray(self.values, float)[order]
         wrong = np.flatnonzero(~np.isfinite(self.values).all(axis=1) | ~np.isfinite(self.time))
         if wrong.size:
-            raise RecordingError(f"{self.name}: sample {wrong[0]} is not finite; allowed: finite numbers")
+            raise InputError(f"{self.name}: sample {wrong[0]} is not finite; allowed: finite numbers")
 
 
 @dataclass

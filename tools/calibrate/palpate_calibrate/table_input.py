@@ -10,7 +10,8 @@ from typing import Any, Optional
 
 import numpy as np
 
-from palpate_calibrate.recording import Mounting, Recording, RecordingError, Stream
+from palpate_calibrate.recording import Mounting, Recording, Stream
+from palpate_common.input_error import InputError
 from palpate_common.rotations import Array, exp_rotation, from_rpy, from_wxyz
 from palpate_common.section import Section
 
@@ -29,7 +30,7 @@ class Described:
 
 
 class Table:
-    """Columns of a CSV file (.csv or .csv.gz) with a header. Raises RecordingError with file, line and column."""
+    """Columns of a CSV file (.csv or .csv.gz) with a header. Raises InputError with file, line and column."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -37,9 +38,9 @@ class Table:
             with (gzip.open(path, "rt") if path.suffix == ".gz" else open(path)) as file:
                 rows = [row for row in csv.reader(file) if row]
         except (OSError, UnicodeDecodeError) as error:
-            raise RecordingError(f"{path}: {error}") from error
+            raise InputError(f"{path}: {error}") from error
         if len(rows) < 2:
-            raise RecordingError(f"{path}: no rows below the header")
+            raise InputError(f"{path}: no rows below the header")
         self.names = [name.strip() for name in rows[0]]
         self.rows = rows[1:]
 
@@ -48,7 +49,7 @@ class Table:
         indices = []
         for name in names:
             if name not in self.names:
-                raise RecordingError(f"{self.path}: no column {name}; it has: {', '.join(self.names)}")
+                raise InputError(f"{self.path}: no column {name}; it has: {', '.join(self.names)}")
             indices.append(self.names.index(name))
         out = np.empty((len(self.rows), len(names)))
         for i, row in enumerate(self.rows):
@@ -58,7 +59,7 @@ class Table:
                 except (ValueError, IndexError) as error:
                     value = row[index] if index < len(row) else "nothing"
                     place = f"{self.path}, line {i + 2}, column {names[k]}"
-                    raise RecordingError(f"{place}: {value}; allowed: a number") from error
+                    raise InputError(f"{place}: {value}; allowed: a number") from error
         return out
 
 
@@ -85,7 +86,7 @@ def _rotations(table: Table, pose: Section) -> Array:
         wrong = np.flatnonzero(np.abs(np.linalg.norm(q, axis=1) - 1) > 1e-2)
         if wrong.size:
             length = np.linalg.norm(q[wrong[0]])
-            raise RecordingError(f"{table.path}, line {wrong[0] + 2}: a quaternion of length {length:.4g}; allowed: 1")
+            raise InputError(f"{table.path}, line {wrong[0] + 2}: a quaternion of length {length:.4g}; allowed: 1")
         return from_wxyz(q)
     if given[0] == "rotation":
         return table.columns(pose.names("rotation", 9)).reshape(-1, 3, 3)
@@ -106,7 +107,7 @@ def _vector(section: Section, key: str, default: Any) -> Array:
 
 
 def read_description(section: Section, folder: Path) -> Described:
-    """The recording that a description explains, files relative to `folder`. Raises RecordingError and SectionError."""
+    """The recording that a description explains, files relative to `folder`. Raises InputError."""
     name = section.text("name", folder.name)
     gravity = _vector(section, "gravity", [0, 0, -9.81])
     pose, wrench = section.section("pose"), section.section("wrench")

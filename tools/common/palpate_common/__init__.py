@@ -1,1 +1,1 @@
-"""What the set-up programs in Python share: rotations, YAML sections and command lines."""
+"""What the set-up programs in Python share: poses, surfaces, files and command lines."""

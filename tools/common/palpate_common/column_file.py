@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 
 Floats = NDArray[np.float64]
 

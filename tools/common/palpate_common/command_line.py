@@ -4,11 +4,25 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import NoReturn, Union
+from typing import Callable, NoReturn, Union
+
+from palpate_common.input_error import FAILED, InputError
 
 COLUMN = 30  # at which the meaning of an option begins
 WIDTH = 110
 WRONG_COMMAND_LINE = 64
+
+
+def exit_code_of(program: str, work: Callable[[], int]) -> int:
+    """What `work` returns, or the code of the InputError or OSError that ends it, whose message goes to the standard error."""
+    try:
+        return work()
+    except InputError as error:
+        message, code = str(error), error.exit_code
+    except OSError as error:
+        message, code = f"{error.filename}: {error.strerror}" if error.filename else str(error), FAILED
+    print(f"{program}: {message}", file=sys.stderr)
+    return code
 
 
 class Number:

@@ -9,7 +9,7 @@ from palpate_common.section import Section
 
 
 def rotation_and_position(pose: Section) -> tuple[Array, Array]:
-    """Of a section with `position`, m, and `rpy_deg` or `quaternion`, w first; what is absent is zero. Raises SectionError."""
+    """Of a section with `position`, m, and `rpy_deg` or `quaternion`, w first; what is absent is zero. Raises InputError."""
     position = np.array(pose.numbers("position", 3, -100, 100, [0, 0, 0]))
     if not pose.has("quaternion"):
         return from_rpy(np.radians(pose.numbers("rpy_deg", 3, -360, 360, [0, 0, 0]))), position

@@ -10,7 +10,7 @@ from typing import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.surface import Surface
 
 Floats = NDArray[np.float64]

@@ -8,12 +8,10 @@ from typing import Any, NoReturn, Optional
 
 import yaml
 
+from palpate_common.input_error import WRONG_CONFIGURATION, InputError
+
 REQUIRED = object()
 DEEPEST = 16  # files that name each other as their base
-
-
-class SectionError(Exception):
-    """A wrong description or configuration."""
 
 
 class Mapping(dict):  # type: ignore[type-arg]
@@ -51,6 +49,10 @@ _Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789"))
 
 
+def _wrong(text: str) -> InputError:
+    return InputError(text, WRONG_CONFIGURATION)
+
+
 class Section:
     """One mapping. Keys that are read are remembered, so that check_unused() finds misspelt ones."""
 
@@ -58,7 +60,7 @@ class Section:
         self.values, self.file, self.path = values, file, path
         self._read: set[str] = set()
         if not isinstance(values, dict):
-            raise SectionError(f"{file}{': ' + path if path else ''}: {values!r}; allowed: a mapping of keys")
+            raise _wrong(f"{file}{': ' + path if path else ''}: {values!r}; allowed: a mapping of keys")
 
     def _named(self, key: str) -> str:
         return f"{self.path}.{key}" if self.path else key
@@ -69,9 +71,10 @@ class Section:
         return place[0] if place else self.file
 
     def fail(self, key: str, text: str) -> NoReturn:
+        """Raises InputError with file, line and key."""
         place = getattr(self.values, "places", {}).get(key)
         where = f"{place[0]}:{place[1]}" if place else str(self.file)
-        raise SectionError(f"{where}: {self._named(key)}: {text}")
+        raise _wrong(f"{where}: {self._named(key)}: {text}")
 
     def has(self, key: str) -> bool:
         return self.values.get(key) is not None
@@ -153,15 +156,15 @@ def _load(file: Path) -> Any:
         loader.file = file
         return loader.get_single_data()
     except OSError as error:
-        raise SectionError(f"{file}: {error.strerror}") from error
+        raise _wrong(f"{file}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark: Optional[yaml.Mark] = getattr(error, "problem_mark", None)
         line = f":{mark.line + 1}" if mark else ""
-        raise SectionError(f"{file}{line}: {getattr(error, 'problem', None) or error}") from error
+        raise _wrong(f"{file}{line}: {getattr(error, 'problem', None) or error}") from error
 
 
 def read_section(file: Path) -> Section:
-    """Raises SectionError if the file cannot be read or is not a YAML mapping."""
+    """Raises InputError if the file cannot be read or is not a YAML mapping."""
     return Section(_load(file), file)
 
 
@@ -181,7 +184,7 @@ def _merged(base: Mapping, over: Mapping) -> Mapping:
 
 
 def read_configuration_section(file: Path, depth: int = 0) -> Section:
-    """A configuration of palpated together with the file that it names as its `base`. Raises SectionError."""
+    """A configuration of palpated together with the file that it names as its `base`. Raises InputError."""
     section = read_section(file)
     base = section.values.pop("base", None)
     if base is None:

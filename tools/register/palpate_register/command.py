@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from palpate_common.command_line import Number, Parser
+from palpate_common.command_line import Number, Parser, exit_code_of
 
 DESCRIPTION = """palpate-register finds the pose of an object's mesh in the robot's base W from touched points, from
 a camera's cloud, or from both, with its uncertainty, and writes it for palpated. It names the
@@ -100,6 +100,6 @@ def parse(words: list[str], version: str) -> argparse.Namespace:
 def main(words: list[str], version: str) -> int:
     """Returns the exit code."""
     options = parse(words, version)
-    from palpate_register.program import main as register
+    from palpate_register.program import run
 
-    return register(options)
+    return exit_code_of("palpate-register", lambda: run(options))

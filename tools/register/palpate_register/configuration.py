@@ -57,7 +57,7 @@ def _grasp(of_object: Section) -> Optional[Floats]:
 
 
 def read_configuration(path: Path) -> Configuration:
-    """Raises SectionError with file, line, key, value and what is allowed; InputError for the mesh's file."""
+    """Raises InputError with file, line, key, value and what is allowed."""
     top = read_configuration_section(path)
     of_object, estimation = top.optional("object"), top.optional("estimation")
     pose = top.optional("frames", "object_in_base")

@@ -11,11 +11,10 @@ from typing import Optional
 import numpy as np
 
 from palpate_common.cloud_files import read_cloud
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.mesh_files import read_surface
 from palpate_common.pose import Pose
 from palpate_common.rotations import from_rpy
-from palpate_common.section import SectionError
 from palpate_common.surface import Surface, box_surface
 from palpate_register.configuration import Configuration, read_configuration
 from palpate_register.next_touch import Reach, next_touches
@@ -64,8 +63,9 @@ def _surface(options: argparse.Namespace, configuration: Optional[Configuration]
     return read_surface(options.mesh) if options.mesh else box_surface(options.box)
 
 
-def run(options: argparse.Namespace, configuration: Optional[Configuration]) -> int:
-    """Registers and writes. Returns the exit code."""
+def run(options: argparse.Namespace) -> int:
+    """Registers and writes. Returns the exit code. Raises InputError and OSError."""
+    configuration = read_configuration(options.config) if options.config else None
     surface = _surface(options, configuration)
     guess = _guess(options, configuration)
     observed = _observed(options, guess)
@@ -94,17 +94,3 @@ def run(options: argparse.Namespace, configuration: Optional[Configuration]) -> 
     if options.output:
         options.output.write_text(yaml_text(result, configuration, options.output), encoding="utf-8")
     return 0
-
-
-def main(options: argparse.Namespace) -> int:
-    """Of the options; returns the exit code."""
-    try:
-        return run(options, read_configuration(options.config) if options.config else None)
-    except SectionError as error:
-        print(f"palpate-register: {error}", file=sys.stderr)
-        return 78
-    except InputError as error:
-        print(f"palpate-register: {error}", file=sys.stderr)
-    except OSError as error:
-        print(f"palpate-register: {error.filename}: {error.strerror}", file=sys.stderr)
-    return 1

@@ -17,7 +17,7 @@ from palpate_calibrate.camera.pick_file import with_depths_of
 from palpate_calibrate.camera.tool import ToolClouds, ToolProblem, ToolState, fit_tool
 from palpate_calibrate.camera.touches import PickedTouches, TouchProblem, fit_touches, rigid_fit, start_pose
 from palpate_common import robust
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.pose import Pose, difference, moved
 from palpate_common.rotations import exp_rotation, log_rotation
 from palpate_common.surface import Surface, box_surface

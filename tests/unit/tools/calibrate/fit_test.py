@@ -9,7 +9,8 @@ import wrist_scores as scores
 from palpate_calibrate.fit import Options, fit_wrist
 from palpate_calibrate.observability import weaknesses
 from palpate_calibrate.quantities import deviations, is_determined
-from palpate_calibrate.recording import Mounting, RecordingError
+from palpate_calibrate.recording import Mounting
+from palpate_common.input_error import InputError
 from palpate_common.rotations import exp_rotation, log_rotation
 
 MASS, CENTER = 1.3, np.array([0.01, -0.02, 0.08])
@@ -64,7 +65,7 @@ class AtRest(unittest.TestCase):
         self.assertFalse(is_determined(fit, "mass").any())
 
     def test_too_few_poses_are_refused(self):
-        with self.assertRaisesRegex(RecordingError, "3 poses; allowed: 4 or more"):
+        with self.assertRaisesRegex(InputError, "3 poses; allowed: 4 or more"):
             fit_wrist(poses(3), NEAR)
 
 

@@ -8,9 +8,9 @@ import support  # noqa: F401
 import numpy as np
 
 from palpate_calibrate.plan import Room, plan_poses
-from palpate_calibrate.recording import RecordingError
-from palpate_common.section import SectionError, read_section
 from palpate_calibrate.table_input import read_description
+from palpate_common.input_error import InputError
+from palpate_common.section import read_section
 
 TABLE = "t,x,y,z,qw,qx,qy,qz,fx,fy,fz,tx,ty,tz\n" + "".join(f"{i}000,0,0,0,1,0,0,0,0,0,{i},0,0,0\n" for i in range(5))
 DESCRIPTION = """
@@ -44,7 +44,7 @@ class Input(unittest.TestCase):
             ("pose:", "posse: 1\npose:", "posse: is unknown; allowed: "),
             ("pose:", "gravity: [0, 0, down]\npose:", "gravity: .* 3 numbers from -100 to 100"),
         ):
-            with self.assertRaisesRegex(SectionError, r"a.yaml(:\d+)?: " + expected):
+            with self.assertRaisesRegex(InputError, r"a.yaml(:\d+)?: " + expected):
                 self.read(DESCRIPTION.replace(old, new, 1))
 
     def test_wrong_tables(self):
@@ -54,7 +54,7 @@ class Input(unittest.TestCase):
             (TABLE.replace("3000,0,0,0,1", "3000,0,0,0,2"), "a.csv, line 5: a quaternion of length 2; allowed: 1"),
             ("t\n", "a.csv: no rows"),
         ):
-            with self.assertRaisesRegex(RecordingError, expected):
+            with self.assertRaisesRegex(InputError, expected):
                 self.read(DESCRIPTION, table)
 
 

@@ -9,7 +9,8 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "tools/common")))
 
 from palpate_common.frames import rotation_and_position  # noqa: E402
-from palpate_common.section import SectionError, plain, read_configuration_section, read_section  # noqa: E402
+from palpate_common.input_error import InputError  # noqa: E402
+from palpate_common.section import plain, read_configuration_section, read_section  # noqa: E402
 
 
 class Files(unittest.TestCase):
@@ -26,14 +27,14 @@ class Files(unittest.TestCase):
 
     def test_messages_name_file_line_key_value_and_what_is_allowed(self):
         section = read_section(self.file("a.yaml", "x: 1\ny:\n  z: [1, two]\n"))
-        with self.assertRaises(SectionError) as caught:
+        with self.assertRaises(InputError) as caught:
             section.section("y").numbers("z", 2, 0, 3)
         self.assertEqual(str(caught.exception), f"{self.folder}/a.yaml:3: y.z: [1, 'two']; allowed: 2 numbers from 0 to 3")
-        with self.assertRaisesRegex(SectionError, r"a.yaml:1: x: is unknown; allowed: y"):
+        with self.assertRaisesRegex(InputError, r"a.yaml:1: x: is unknown; allowed: y"):
             section.check_unused()
-        with self.assertRaisesRegex(SectionError, r"a.yaml:2: .*"):
+        with self.assertRaisesRegex(InputError, r"a.yaml:2: .*"):
             read_section(self.file("a.yaml", "x: 1\n y: 2\n"))
-        with self.assertRaisesRegex(SectionError, "none.yaml: No such file"):
+        with self.assertRaisesRegex(InputError, "none.yaml: No such file"):
             read_section(self.folder / "none.yaml")
 
     def test_numbers_are_read_as_palpated_reads_them(self):
@@ -46,13 +47,13 @@ class Files(unittest.TestCase):
         top = read_configuration_section(self.file("own.yaml", "base: deep/base.yaml\na: {b: ~, c: {e: 3}}\nlist: [4]\n"))
         self.assertEqual(plain(top.values), {"a": {"c": {"d": 2, "e": 3}}, "list": [4], "mesh": {"file": "bar.msh"}})
         self.assertEqual(top.section("mesh").file_of("file"), self.folder / "deep/base.yaml")
-        with self.assertRaisesRegex(SectionError, r"deep/base.yaml:1: a.c.d: 2; allowed: a number from 3 to 4"):
+        with self.assertRaisesRegex(InputError, r"deep/base.yaml:1: a.c.d: 2; allowed: a number from 3 to 4"):
             top.optional("a", "c").number("d", 3, 4)
-        with self.assertRaisesRegex(SectionError, r"own.yaml:2: a.c.e: 3"):
+        with self.assertRaisesRegex(InputError, r"own.yaml:2: a.c.e: 3"):
             top.optional("a", "c").number("e", 4, 5)
 
     def test_a_circle_of_bases_ends(self):
-        with self.assertRaisesRegex(SectionError, "base: own.yaml; allowed: at most 16 files"):
+        with self.assertRaisesRegex(InputError, "base: own.yaml; allowed: at most 16 files"):
             read_configuration_section(self.file("own.yaml", "base: own.yaml\n"))
 
     def test_one_notation_of_a_rotation(self):
@@ -62,7 +63,7 @@ class Files(unittest.TestCase):
         self.assertEqual(list(position), [1, 2, 3])
         for text, expected in (("rpy_deg: [0, 0, 1]\nquaternion: [1, 0, 0, 0]", "in addition to rpy_deg"),
                                ("quaternion: [1, 1, 0, 0]", "allowed: length 1")):
-            with self.assertRaisesRegex(SectionError, expected):
+            with self.assertRaisesRegex(InputError, expected):
                 rotation_and_position(read_section(self.file("a.yaml", text + "\n")))
 
 

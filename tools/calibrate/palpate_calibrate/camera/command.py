@@ -118,7 +118,7 @@ def parse(words: list[str]) -> argparse.Namespace:
 
 
 def main(words: list[str]) -> int:
-    """Returns the exit code. Raises InputError, SectionError and OSError."""
+    """Returns the exit code. Raises InputError and OSError."""
     options = parse(words)
     from palpate_calibrate.camera.program import run
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from palpate_calibrate.camera.least_squares import Group
 from palpate_common.column_file import Layout, read_columns
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.pose import Pose, moved
 from palpate_common.rotations import from_wxyz
 

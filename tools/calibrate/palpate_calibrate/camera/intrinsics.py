@@ -47,7 +47,7 @@ class Intrinsics:
 
 
 def read_intrinsics(path: Path) -> Intrinsics:
-    """Of a YAML file with fx, fy, cx, cy and optionally distortion. Raises SectionError."""
+    """Of a YAML file with fx, fy, cx, cy and optionally distortion. Raises InputError."""
     section = read_section(path)
     focal = [section.number(key, 10, 1e5) for key in ("fx", "fy")]
     center = [section.number(key, -1e5, 1e5) for key in ("cx", "cy")]

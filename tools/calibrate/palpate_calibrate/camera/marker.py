@@ -13,7 +13,7 @@ from palpate_calibrate.camera.closed_form import eye_to_hand, pose_of_square
 from palpate_calibrate.camera.flange_poses import ArmError, error_groups, moved_flanges
 from palpate_calibrate.camera.intrinsics import Intrinsics
 from palpate_calibrate.camera.least_squares import Group, estimate
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.pose import Pose, difference, moved
 from palpate_common.rotations import cross_matrix
 

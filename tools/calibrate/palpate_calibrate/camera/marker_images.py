@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate_calibrate.camera.square_edges import square_corners
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 
 Floats = NDArray[np.float64]
 DICTIONARIES = ("4x4_50", "4x4_100", "4x4_250", "5x5_50", "5x5_100", "5x5_250",

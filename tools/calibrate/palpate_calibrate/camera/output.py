@@ -22,7 +22,7 @@ def pose_section(pose: Pose) -> dict[str, list[float]]:
 
 
 def check_scene(scene: Path) -> None:
-    """Raises SectionError if the file is no scene with a camera. palpate-sim validates the rest of it."""
+    """Raises InputError if the file is no scene with a camera. palpate-sim validates the rest of it."""
     read_configuration_section(scene).section("camera")
 
 

@@ -12,7 +12,7 @@ from palpate_calibrate.camera.depth_error import DepthError
 from palpate_calibrate.camera.touches import PickedTouches
 from palpate_common import robust
 from palpate_common.column_file import Layout, read_columns
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 
 Floats = NDArray[np.float64]
 TOUCHED, PICKED = ("x", "y", "z"), ("u", "v", "w")

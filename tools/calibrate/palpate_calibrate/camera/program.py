@@ -78,7 +78,7 @@ def _by_marker(options: argparse.Namespace) -> tuple[CameraFit, list[str]]:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Returns the exit code. Raises InputError, SectionError and OSError."""
+    """Returns the exit code. Raises InputError and OSError."""
     if options.scene is not None:
         check_scene(options.scene)
     fit, notes = {"touches": _by_touches, "tool": _by_tool, "marker": _by_marker}[options.way](options)

@@ -11,7 +11,7 @@ from palpate_calibrate.camera.camera_fit import CameraFit
 from palpate_calibrate.camera.depth_error import DepthError
 from palpate_calibrate.camera.flange_poses import ArmError, error_groups, moved_flanges
 from palpate_calibrate.camera.least_squares import Group, estimate, minimised
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.pose import Pose, moved
 from palpate_common.surface import Surface, gradients
 

@@ -11,7 +11,7 @@ from palpate_calibrate.camera.camera_fit import CameraFit
 from palpate_calibrate.camera.depth_error import DepthError, across
 from palpate_calibrate.camera.least_squares import Group, estimate
 from palpate_common import robust
-from palpate_common.errors import InputError
+from palpate_common.input_error import InputError
 from palpate_common.pose import Pose, moved
 from palpate_common.rotations import fit_rotation
 
