@@ -24,6 +24,14 @@ def cross(a: Array, b: Array) -> Array:
     return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
+def perpendiculars(directions: Array) -> Array:
+    """(n, 2, 3): two unit vectors at right angles to each unit vector, (n, 3), and to each other."""
+    least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
+    first = np.cross(directions, least)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(directions, first)], axis=1)
+
+
 def exp_rotation(v: Array) -> Array:
     """Rotation matrix of a rotation vector, rad, (3,)."""
     angle = float(np.linalg.norm(v))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate_common.pose import Pose
+from palpate_common.rotations import perpendiculars
 
 Floats = NDArray[np.float64]
 
@@ -37,11 +38,7 @@ class Touches:
     @cached_property
     def across(self) -> Floats:
         """(k, 2, 3): two unit directions across each measured normal."""
-        measured = self.normals[self.has_normal]
-        least = np.eye(3)[np.argmin(np.abs(measured), axis=1)]
-        first = np.cross(measured, least)
-        first /= np.maximum(np.linalg.norm(first, axis=1), 1e-12)[:, None]
-        return np.stack([first, np.cross(measured, first)], axis=1)
+        return perpendiculars(self.normals[self.has_normal])
 
     def only(self, chosen: NDArray[np.bool_]) -> "Touches":
         """Those that a mask, (n,), selects."""

@@ -1,4 +1,4 @@
-"""Robust refinement of a pose by Levenberg and Marquardt's method."""
+"""Robust refinement of a pose."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate_common import robust
+from palpate_common.levenberg_marquardt import minimised
 from palpate_common.pose import Pose
 from palpate_common.surface import Surface
 from palpate_register.observations import Observations
@@ -41,34 +42,25 @@ def cost_of(at: Residuals, widening: float = 1.0) -> float:
     return float(of_distances + 0.5 * hard @ hard)
 
 
+def _normal_of(at: Residuals, widening: float) -> tuple[Floats, Floats]:
+    w = np.where(at.is_robust, robust.weights(at.r / widening), 1.0)
+    return at.J.T @ (w[:, None] * at.J), at.J.T @ (w * at.r)
+
+
 def refine(surface: Surface, start: Pose | State, observed: Observations, steps: int = 30,
            widenings: tuple[float, ...] = WIDENINGS) -> Refined:  # fmt: skip
     """From a start within the pose's basin to the least robust loss.
 
-    Reweighted least squares with the damping of Marquardt 1963; closest points and weights are
-    found again in each step, as in the iterative closest point method (Besl and McKay 1992), with
-    distances along the gradient (Chen and Medioni 1992).
+    widenings: of the robust loss, one after the other, at least one.
+    Reweighted least squares; closest points and weights are found again in each step, as in the
+    iterative closest point method (Besl and McKay 1992), with distances along the gradient (Chen and
+    Medioni 1992).
     """
     state = start_at(start) if isinstance(start, Pose) else start
     for widening in widenings:
-        damping = 1e-4
-        at = residuals(surface, state, observed)
-        cost = cost_of(at, widening)
-        for _ in range(steps):
-            w = np.where(at.is_robust, robust.weights(at.r / widening), 1.0)
-            H, g = at.J.T @ (w[:, None] * at.J), at.J.T @ (w * at.r)
-            step = -np.linalg.solve(H + np.diag(damping * np.diag(H) + WEAK**2), g)
-            tried = state.stepped(step, surface.center)
-            there = residuals(surface, tried, observed)
-            new = cost_of(there, widening)
-            if new < cost:
-                gained, state, at, cost, damping = cost - new, tried, there, new, max(1e-9, 0.2 * damping)
-                if gained < 1e-6 * (1 + cost):
-                    break
-            else:
-                damping *= 8
-                if damping > 1e6:
-                    break
+        state, at = minimised(state, lambda one: residuals(surface, one, observed), lambda at: cost_of(at, widening),
+                              lambda at: _normal_of(at, widening), lambda one, step: one.stepped(step, surface.center),
+                              WEAK, steps)  # fmt: skip
     w = np.where(at.is_robust, robust.weights(at.r), 1.0)
     J = at.J.copy()
     J[: len(at.J_inside), :6] = at.J_inside

@@ -30,11 +30,3 @@ class DepthError:
         """(n,), m, of points, (n, 3), m, in C."""
         result: Floats = self.across_at_1_m * np.abs(points_C[:, 2])
         return np.maximum(result, 1e-6)
-
-
-def across(directions: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors, (n, 3) each, at right angles to unit vectors, (n, 3), and to each other."""
-    least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
-    first = np.cross(directions, least)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return first, np.cross(directions, first)

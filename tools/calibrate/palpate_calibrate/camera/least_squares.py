@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from palpate_common import robust
+from palpate_common import levenberg_marquardt, robust
 
 Floats = NDArray[np.float64]
 WIDENINGS = (10.0, 3.0, 1.0)  # of the robust loss, so that gross errors of the start are followed
@@ -46,7 +46,8 @@ State = TypeVar("State")
 class Problem(Protocol):
     """Measurements and their model."""
 
-    leading: int  # parameters that are fitted first, alone: the others stay where they start
+    count: int  # p, of all parameters
+    leading: int  # of those that are fitted first, alone: the others stay where they start
 
     def groups(self, state: Any) -> list[Group]:
         """At a state, always the same groups in the same order."""
@@ -97,29 +98,20 @@ def _normal(groups: list[Group], factors: dict[str, float], widening: float) -> 
     return H, g
 
 
-def minimised(problem: Problem, state: State, factors: dict[str, float], widening: float, free: int | None = None,
-              steps: int = 30) -> State:  # fmt: skip
-    """Levenberg and Marquardt's method with weights that are found again in each step. free: number of leading parameters
-    that change; default: all."""
-    groups = problem.groups(state)
-    cost, damping = _cost(groups, factors, widening), 1e-4
-    for _ in range(steps):
+def minimised(problem: Problem, state: State, factors: dict[str, float], widening: float, free: int | None = None) -> State:
+    """The state of the least loss within the start's basin. factors: on the stated deviations, by the group's name.
+    widening: of the robust loss. free: number of leading parameters that change; default: all."""
+    n = problem.count if free is None else free
+
+    def normal_of(groups: list[Group]) -> tuple[Floats, Floats]:
         H, g = _normal(groups, factors, widening)
-        n = len(g) if free is None else free
-        step = np.zeros(len(g))
-        step[:n] = -np.linalg.solve(H[:n, :n] + np.diag(damping * np.diag(H)[:n] + WEAK**2), g[:n])
-        tried = problem.stepped(state, step)
-        there = problem.groups(tried)
-        new = _cost(there, factors, widening)
-        if new < cost:
-            gained, state, groups, cost, damping = cost - new, tried, there, new, max(1e-9, 0.2 * damping)
-            if gained < 1e-6 * (1 + cost):
-                break
-        else:
-            damping *= 8
-            if damping > 1e6:
-                break
-    return state
+        return H[:n, :n], g[:n]
+
+    def stepped(at: State, step: Floats) -> State:
+        return problem.stepped(at, np.concatenate([step, np.zeros(problem.count - n)]))
+
+    return levenberg_marquardt.minimised(state, problem.groups, lambda groups: _cost(groups, factors, widening), normal_of,
+                                         stepped, WEAK)[0]  # fmt: skip
 
 
 def _by_median(groups: list[Group], factors: dict[str, float]) -> dict[str, float]:
@@ -149,10 +141,9 @@ def _components(groups: list[Group], factors: dict[str, float]) -> tuple[Floats,
 def estimate(problem: Problem, start: Any, widenings: tuple[float, ...] = WIDENINGS) -> Estimate:
     """From a start within the basin to the least robust loss, with the factors on the stated deviations."""
     state = start
-    groups = problem.groups(state)
-    factors = {group.name: 1.0 for group in groups}
+    factors = {group.name: 1.0 for group in problem.groups(state)}
     for widening in widenings:
-        if problem.leading < groups[0].J.shape[1]:
+        if problem.leading < problem.count:
             state = minimised(problem, state, factors, widening, problem.leading)
         state = minimised(problem, state, factors, widening)
         groups = problem.groups(state)

@@ -70,7 +70,7 @@ class MarkerProblem:
 
     def __init__(self, seen: SeenMarker) -> None:
         self._seen = seen
-        self._count = 13 if seen.place else 13 + 6 * len(seen.corners)
+        self.count = 13 if seen.place else 13 + 6 * len(seen.corners)
 
     def groups(self, state: MarkerState) -> list[Group]:
         """Derivatives by camera (6), marker (6), side (1, relative), and the arm's errors (6 of each image)."""
@@ -88,7 +88,7 @@ class MarkerProblem:
             by_point[:, 0, 2], by_point[:, 1, 2] = -by_point[:, 0, 0] * in_C[:, 0] / z, -by_point[:, 1, 1] * in_C[:, 1] / z
             A = by_point @ state.camera.R.T  # by the point in W
             of_E = A @ flange.R
-            J = np.zeros((4, 2, self._count))
+            J = np.zeros((4, 2, self.count))
             J[:, :, 0:3], J[:, :, 3:6] = -A, A @ cross_matrix(in_W - state.camera.p)
             J[:, :, 6:9], J[:, :, 9:12] = of_E, -of_E @ cross_matrix(in_E - state.marker.p)
             J[:, :, 12] = np.einsum("cij,cj->ci", of_E, in_E - state.marker.p)
@@ -100,18 +100,18 @@ class MarkerProblem:
         corners = Group("corners", np.concatenate(r) / deviation, np.concatenate(rows) / deviation[:, None], deviation, "px",
                         True, True)  # fmt: skip
         if seen.place is None:
-            return [corners, self._size(state), *error_groups(state.errors, seen.arm, 13, self._count)]
+            return [corners, self._size(state), *error_groups(state.errors, seen.arm, 13, self.count)]
         return [corners, self._size(state), self._of_place(state, seen.place)]
 
     def _size(self, state: MarkerState) -> Group:
-        seen, J = self._seen, np.zeros((1, self._count))
+        seen, J = self._seen, np.zeros((1, self.count))
         J[0, 12] = seen.side / seen.side_deviation
         r = np.array([seen.side * np.log(state.side / seen.side) / seen.side_deviation])
         return Group("marker's side", r, J, np.array([1e3 * seen.side_deviation]), "mm", False, False)
 
     def _of_place(self, state: MarkerState, place: KnownPlace) -> Group:
         deviation = np.repeat([place.position_deviation, place.rotation_deviation], 3)
-        J = np.zeros((6, self._count))
+        J = np.zeros((6, self.count))
         J[:, 6:12] = np.diag(1 / deviation)
         r = difference(state.marker, place.pose, np.zeros(3)) / deviation
         unit = np.repeat([1e3, np.degrees(1)], 3)

@@ -85,7 +85,7 @@ class ToolProblem:
         self._points = np.concatenate(points)
         self._view = np.repeat(np.arange(len(points)), [len(some) for some in points])
         self._rays = self._points / np.linalg.norm(self._points, axis=1, keepdims=True)
-        self._count = 6 + 6 * len(points)
+        self.count = 6 + 6 * len(points)
 
     def groups(self, state: ToolState) -> list[Group]:
         """Derivatives by the step of `moved` about C's origin, and of each flange's pose about E's."""
@@ -99,13 +99,13 @@ class ToolProblem:
         along = np.einsum("ni,ni->n", g, self._rays @ state.camera.R.T) ** 2
         error = self._seen.error
         deviation = np.sqrt(along * error.along(self._points) ** 2 + (1 - along) * error.across(self._points) ** 2)
-        J = np.zeros((n, self._count))
+        J = np.zeros((n, self.count))
         J[:, :6] = np.hstack([g, np.cross(points_W - state.camera.p, g)])
         columns = 6 + 6 * self._view[:, None] + np.arange(6)
         J[np.arange(n)[:, None], columns] = -np.hstack([g, np.cross(points_W - p_WE, g)])
         of_cloud = Group("distance from the tool", distance / deviation, J / deviation[:, None], 1e3 * deviation, "mm",
                          True, True)  # fmt: skip
-        return [of_cloud, *error_groups(state.errors, self._seen.arm, 6, self._count)]
+        return [of_cloud, *error_groups(state.errors, self._seen.arm, 6, self.count)]
 
     def stepped(self, state: ToolState, step: Floats) -> ToolState:
         return ToolState(moved(state.camera, step[:6], np.zeros(3)), _stepped_errors(state.errors, step[6:]))

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate_calibrate.camera.camera_fit import CameraFit
-from palpate_calibrate.camera.depth_error import DepthError, across
+from palpate_calibrate.camera.depth_error import DepthError
 from palpate_calibrate.camera.least_squares import Group, estimate
 from palpate_common import robust
 from palpate_common.input_error import InputError
 from palpate_common.pose import Pose, moved
-from palpate_common.rotations import fit_rotation
+from palpate_common.rotations import fit_rotation, perpendiculars
 
 Floats = NDArray[np.float64]
 FEWEST = 4
@@ -67,13 +67,12 @@ def start_pose(picked: PickedTouches) -> Pose:
 class TouchProblem:
     """Residuals of pairs, in C along and across the viewing rays, since a camera's errors differ along and across."""
 
-    leading = 6
+    count = leading = 6
 
     def __init__(self, picked: PickedTouches) -> None:
         self._picked = picked
         rays = picked.points_C / np.linalg.norm(picked.points_C, axis=1, keepdims=True)
-        first, second = across(rays)
-        self._directions = {"depth of picks": rays[:, None], "picks across the ray": np.stack([first, second], axis=1)}
+        self._directions = {"depth of picks": rays[:, None], "picks across the ray": perpendiculars(rays)}
         touch = picked.touch_deviation
         self._deviations = {"depth of picks": np.hypot(picked.error.along(picked.points_C), touch),
                             "picks across the ray": np.hypot(picked.error.across(picked.points_C), touch)}  # fmt: skip
