@@ -12,7 +12,6 @@ from palpate_calibrate import plan_output, report, section_output
 from palpate_calibrate.camera import command as camera
 from palpate_calibrate.configuration import Configuration, read_configuration
 from palpate_calibrate.fit import Options, fit_wrist
-from palpate_calibrate.json_output import write_json
 from palpate_calibrate.log_input import read_logs
 from palpate_calibrate.plan import Room, plan_poses
 from palpate_calibrate.recording import Mounting, Recording
@@ -20,6 +19,7 @@ from palpate_calibrate.residual_plot import plot_residuals
 from palpate_calibrate.table_input import read_description
 from palpate_common.command_line import Number, Parser, exit_code_of
 from palpate_common.input_error import InputError
+from palpate_common.json_output import write_json
 from palpate_common.rotations import from_rpy
 from palpate_common.section import read_section
 

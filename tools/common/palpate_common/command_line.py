@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Callable, NoReturn, Union
+from typing import Any, Callable, NoReturn, Optional, Union
 
 from palpate_common.input_error import FAILED, InputError
 
@@ -40,6 +40,21 @@ class Number:
             kind = "a whole number" if self.whole else "a number"
             raise argparse.ArgumentTypeError(f"{text}; allowed: {kind} from {self.low:g} to {self.high:g}")
         return value
+
+
+class PositionAndAngle(argparse.Action):
+    """Two values of an option, m and degrees, each within its range: `position` and `angle` of add_argument()."""
+
+    def __init__(self, option_strings: list[str], dest: str, position: Number, angle: Number, **kwargs: Any) -> None:
+        super().__init__(option_strings, dest, nargs=2, type=float, **kwargs)
+        self.position, self.angle = position, angle
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any,
+                 option_string: Optional[str] = None) -> None:  # fmt: skip
+        if not all(of.low <= value <= of.high for of, value in zip((self.position, self.angle), values)):
+            parser.error(f"argument {option_string}: {values[0]:g} {values[1]:g}; allowed: {self.position.low:g} to "
+                         f"{self.position.high:g} m, {self.angle.low:g} to {self.angle.high:g} degrees")  # fmt: skip
+        setattr(namespace, self.dest, values)
 
 
 def _kind(action: argparse.Action) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from palpate_common.command_line import Number, Parser, exit_code_of
+from palpate_common.command_line import Number, Parser, PositionAndAngle, exit_code_of
 
 DESCRIPTION = """palpate-register finds the pose of an object's mesh in the robot's base W from touched points, from
 a camera's cloud, or from both, with its uncertainty, and writes it for palpated. It names the
@@ -31,16 +31,8 @@ Exit codes: 0   done, and the mesh fits, or there are too few points to say
             78  wrong configuration; the message names file, line, key, value and allowed values"""
 
 
-_COORDINATE, _DEVIATION, _ANGLE = Number(-100, 100), Number(1e-6, 0.1), Number(0.01, 180)
-
-
-class _Range(argparse.Action):
-    """Position, m, and angle, degrees, each within its range."""
-
-    def __call__(self, parser, namespace, values, option_string=None):  # type: ignore[no-untyped-def]
-        if not (1e-6 <= values[0] <= 10 and 0.01 <= values[1] <= 180):
-            parser.error(f"argument {option_string}: allowed: 1e-06 to 10 m, 0.01 to 180 degrees")
-        setattr(namespace, self.dest, values)
+_COORDINATE, _DISTANCE = Number(-100, 100), Number(1e-6, 10)
+_DEVIATION, _ANGLE = Number(1e-6, 0.1), Number(0.01, 180)
 
 
 def parser() -> Parser:
@@ -54,7 +46,7 @@ def parser() -> Parser:
     add("--cloud", type=Path, help="Points that a camera sees: .ply, .pcd, .xyz or .npy")
     add("--guess", type=Number(-360, 360), nargs=6,
         help="Pose of the mesh in W: position of O, m, roll, pitch, yaw, degrees")  # fmt: skip
-    add("--guess-range", type=float, nargs=2, default=[0.05, 20.0], action=_Range,
+    add("--guess-range", default=[0.05, 20.0], action=PositionAndAngle, position=_DISTANCE, angle=_ANGLE,
         help="How far the object may be from the guess: each axis of its centre, m, and the angle, degrees")  # fmt: skip
     add("--no-guess", action="store_true", help="Search all poses, whatever the configuration states")
     add("--deviation", type=_DEVIATION, default=3e-4,
@@ -66,7 +58,7 @@ def parser() -> Parser:
     add("--probe-radius", type=Number(0, 0.1), default=0.0, help="Of the probe's tip, m")
     add("--cloud-deviation", type=_DEVIATION, default=1e-3,
         help="Standard deviation of a point of the cloud along the surface's normal, m")  # fmt: skip
-    add("--camera-deviation", type=float, nargs=2, default=[0.02, 2.0], action=_Range,
+    add("--camera-deviation", default=[0.02, 2.0], action=PositionAndAngle, position=_DISTANCE, angle=_ANGLE,
         help="Of the camera's error: each axis of a shift of the cloud, m, and of a rotation, degrees")  # fmt: skip
     add("--table", type=_COORDINATE, help="Height in W below which nothing is touched, m; nor is anything steeply from below")
     add("--next", type=Number(0, 20, whole=True), default=3, help="Number of touches to propose")

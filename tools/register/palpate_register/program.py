@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from pathlib import Path
 from typing import Optional
 
 import numpy as np
 
 from palpate_common.cloud_files import read_cloud
 from palpate_common.input_error import InputError
+from palpate_common.json_output import write_json
 from palpate_common.mesh_files import read_surface
 from palpate_common.pose import Pose
 from palpate_common.rotations import from_rpy
@@ -78,11 +77,10 @@ def run(options: argparse.Namespace) -> int:
         reach.hidden.append(configuration.fixed)
     proposals = next_touches(surface, result.pose, result.covariance, options.deviation, normal, reach,
                              of_position=options.next_for == "position", count=options.next)  # fmt: skip
-    text = table(result, observed, proposals)
-    document = json.dumps(as_json(result, observed, proposals), indent=1)
-    print(document if options.json == "-" else text)
-    if options.json and options.json != "-":
-        Path(options.json).write_text(document + "\n", encoding="utf-8")
+    if options.json:
+        write_json(as_json(result, observed, proposals), options.json)
+    if options.json != "-":
+        print(table(result, observed, proposals))
     if options.picture:
         from palpate_register.picture import draw
 

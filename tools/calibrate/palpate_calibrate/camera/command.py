@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Optional
 
 from palpate_calibrate.camera import defaults
 from palpate_calibrate.camera.marker_images import DICTIONARIES
-from palpate_common.command_line import Number, Parser
+from palpate_common.command_line import Number, Parser, PositionAndAngle
 
 DESCRIPTION = """Measures where a depth camera stands: its pose X_WC in the robot's base W, with a 6 x 6 covariance and
 95 % intervals, in one of three ways: by points that the robot touched and that were picked in the camera's cloud (--touches), by the robot's
@@ -41,6 +40,9 @@ Exit codes: 0   done
             78  wrong intrinsics or scene; the message names file, key, value and what is allowed
 """
 _COORDINATE, _DEVIATION, _ANGLE = Number(-360, 360), Number(1e-6, 0.1), Number(1e-3, 20)
+_REQUIRED = {"touches": (), "tool": ("poses", "guess"), "marker": ("poses", "marker_size", "intrinsics")}  # options of each way
+_ALLOWED = {"cloud": ("touches",), "poses": ("tool", "marker"), "guess": ("tool", "marker"), "marker_size": ("marker",),
+            "intrinsics": ("marker",), "marker_in_base": ("marker",)}  # ways of each option  # fmt: skip
 
 
 def camera_parser() -> Parser:
@@ -64,7 +66,7 @@ def camera_parser() -> Parser:
     add("--marker-in-base", type=_COORDINATE, nargs=6,
         help="X_WM of a marker that the arm does not carry: position, m, roll, pitch, yaw, degrees; M: x right, y up, "
              "z towards the viewer")  # fmt: skip
-    add("--marker-place-error", type=float, nargs=2, default=list(defaults.PLACE),
+    add("--marker-place-error", default=list(defaults.PLACE), action=PositionAndAngle, position=_DEVIATION, angle=_ANGLE,
         help="of --marker-in-base: standard deviations of each axis, m and degrees")  # fmt: skip
     add("--touch-deviation", type=_DEVIATION, default=defaults.TOUCH_DEVIATION,
         help="standard deviation of each axis of a touched point, m")  # fmt: skip
@@ -72,21 +74,14 @@ def camera_parser() -> Parser:
         help="of a point 1 m in front of the camera, along and across the viewing ray, m")  # fmt: skip
     add("--pixel-deviation", type=Number(1e-3, 10), default=defaults.CORNER_DEVIATION,
         help="of a marker's corner, pixels, 0.001 to 10")  # fmt: skip
-    add("--arm-deviation", type=float, nargs=2, default=[defaults.ARM.position, defaults.ARM_DEGREES],
+    add("--arm-deviation", default=[defaults.ARM.position, defaults.ARM_DEGREES],
+        action=PositionAndAngle, position=_DEVIATION, angle=_ANGLE,
         help="of the flange's pose, the part that varies from pose to pose: each axis, m and degrees")  # fmt: skip
     add("--output", type=Path, help="file for the YAML with camera_in_base")
     add("--scene", type=Path, help="scene of palpate-sim: --output is a change of it with this camera")
     add("--json", help="file for the results as JSON; - for standard output")
     add("--picture", type=Path, help="file for a picture (PNG) of the residuals")
     return parser
-
-
-def _check_pair(parser: Parser, name: str, values: Optional[list[float]]) -> None:
-    if values is None:
-        return
-    if not (_DEVIATION.low <= values[0] <= _DEVIATION.high and _ANGLE.low <= values[1] <= _ANGLE.high):
-        parser.error(f"argument {name}: {values[0]:g} {values[1]:g}; allowed: {_DEVIATION.low:g} to {_DEVIATION.high:g} m, "
-                     f"{_ANGLE.low:g} to {_ANGLE.high:g} degrees")  # fmt: skip
 
 
 def parse(words: list[str]) -> argparse.Namespace:
@@ -97,19 +92,12 @@ def parse(words: list[str]) -> argparse.Namespace:
     if len(ways) != 1:
         parser.error("exactly one of --touches, --tool and --marker is required")
     options.way = ways[0]
-    required = {"touches": (), "tool": ("poses", "guess"), "marker": ("poses", "marker_size", "intrinsics")}
-    only = {"touches": ("cloud",), "tool": (), "marker": ("intrinsics", "marker_size", "marker_in_base")}
-    for name in required[options.way]:
+    for name in _REQUIRED[options.way]:
         if getattr(options, name) is None:
             parser.error(f"--{options.way}: --{name.replace('_', '-')} is required")
-    for way, names in only.items():
-        for name in names:
-            if way != options.way and getattr(options, name) is not None:
-                parser.error(f"--{name.replace('_', '-')}: allowed with --{way} only")
-    if options.way == "touches" and options.poses is not None:
-        parser.error("--poses: allowed with --tool and --marker only")
-    _check_pair(parser, "--arm-deviation", options.arm_deviation)
-    _check_pair(parser, "--marker-place-error", options.marker_place_error)
+    for name, allowed in _ALLOWED.items():
+        if options.way not in allowed and getattr(options, name) is not None:
+            parser.error(f"--{name.replace('_', '-')}: allowed with {' and '.join(f'--{way}' for way in allowed)} only")
     if options.scene is not None and options.output is None:
         parser.error("--scene: --output is required")
     if options.picture and options.picture.suffix.lower() != ".png":

@@ -19,8 +19,8 @@ from palpate_calibrate.camera.pick_file import read_picks, with_depths_of
 from palpate_calibrate.camera.report import summary, table
 from palpate_calibrate.camera.tool import ToolClouds, fit_tool
 from palpate_calibrate.camera.touches import fit_touches
-from palpate_calibrate.json_output import write_json
 from palpate_common.cloud_files import read_cloud
+from palpate_common.json_output import write_json
 from palpate_common.mesh_files import read_surface
 from palpate_common.pose import Pose
 from palpate_common.rotations import from_rpy
