@@ -7,14 +7,14 @@ from typing import Any, Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate_common.pose import Pose, difference
+from palpate_common.rotations import exp_rotation
+from palpate_common.surface import box_surface
 from palpate_register.information import cramer_rao
 from palpate_register.next_touch import Reach
 from palpate_register.observations import Cloud, Guess, Observations, Touches
-from palpate_common.rotations import exp_rotation
-from palpate_common.pose import Pose, difference
 from palpate_register.register import Registration, register
 from palpate_register.session import Session
-from palpate_common.surface import box_surface
 from palpate_register.symmetry import Symmetries
 from simulated_box import Box
 

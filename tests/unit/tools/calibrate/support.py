@@ -1,4 +1,4 @@
-"""Puts the modules of palpate-calibrate and the simulated wrist on the path, and makes recordings for tests."""
+"""Puts the modules of palpate-calibrate and of its studies on the path, and makes recordings for tests."""
 
 import os
 import pathlib
@@ -6,7 +6,7 @@ import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 SOURCE = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"])
-sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("calibrate", "common", "lab/wrist_calibration")]
+sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("calibrate", "common", "lab/wrist_calibration", "lab/camera_calibration")]
 
 import numpy as np  # noqa: E402
 

@@ -1,4 +1,4 @@
-"""Closest points, derivatives, symmetries, information and proposals of tools/register."""
+"""Derivatives, symmetries, information and proposals of tools/register."""
 import os
 import pathlib
 import sys
@@ -10,15 +10,14 @@ sys.path[:0] = [str(TOOLS / "register"), str(TOOLS / "common")]
 
 import numpy as np  # noqa: E402
 
+from palpate_common.pose import Pose  # noqa: E402
+from palpate_common.rotations import exp_rotation  # noqa: E402
+from palpate_common.surface import Surface, box_surface  # noqa: E402
 from palpate_register.information import cramer_rao  # noqa: E402
 from palpate_register.next_touch import Reach, next_touches  # noqa: E402
 from palpate_register.observations import Cloud, Guess, Observations, Touches  # noqa: E402
-from palpate_common.rotations import exp_rotation, from_wxyz, log_rotation, to_wxyz  # noqa: E402
-from palpate_common.pose import Pose, angle_of, covariance_at, difference, moved, random_rotations  # noqa: E402
 from palpate_register.residuals import residuals, start_at  # noqa: E402
-from palpate_common.surface import Surface, box_surface  # noqa: E402
 from palpate_register.symmetry import find_symmetries  # noqa: E402
-from palpate_common.triangles import Triangles  # noqa: E402
 
 BAR, CUBE = box_surface([0.5, 0.06, 0.06]), box_surface([0.06, 0.06, 0.06])
 
@@ -35,71 +34,6 @@ def prism(corners, length):
 def cylinder(radius, length, count=48):
     angle = 2 * np.pi * np.arange(count) / count
     return prism(radius * np.column_stack([np.cos(angle), np.sin(angle)]), length)
-
-
-class ClosestPoints(unittest.TestCase):
-    def test_none_of_many_places_on_the_triangle_is_nearer(self):
-        random = np.random.default_rng(1)
-        corners, points = random.normal(size=(200, 3, 3)), 2 * random.normal(size=(200, 3))
-        found = np.linalg.norm(Triangles(corners).closest(points, np.arange(200)) - points, axis=1)
-        a, b = np.meshgrid(np.linspace(0, 1, 60), np.linspace(0, 1, 60))
-        inside = a + b <= 1
-        weights = np.column_stack([a[inside], b[inside], 1 - a[inside] - b[inside]])
-        tried = np.linalg.norm(np.einsum("wk,nkc->nwc", weights, corners) - points[:, None], axis=2).min(axis=1)
-        self.assertTrue((found <= tried + 1e-12).all())
-        self.assertLess((tried - found).max(), 0.1)
-
-    def test_a_fine_mesh_has_those_of_its_box(self):
-        n = 15
-        grid = np.linspace(0, 1, n + 1)
-        nodes, triangles = [], []
-        for axis in range(3):
-            for side in (0.0, 1.0):
-                first = len(nodes)
-                for u in grid:
-                    for v in grid:
-                        nodes.append(np.roll([side, u, v], axis))
-                for i in range(n):
-                    for j in range(n):
-                        a, b = first + i * (n + 1) + j, first + (i + 1) * (n + 1) + j
-                        two = [(a, b, b + 1), (a, b + 1, a + 1)]
-                        triangles += two if side else [t[::-1] for t in two]
-        fine, coarse = Surface(np.array(nodes), triangles), box_surface([1, 1, 1])
-        points = np.random.default_rng(2).uniform(-0.5, 1.5, (300, 3))
-        np.testing.assert_allclose(fine.closest(points)[0], coarse.closest(points)[0], atol=1e-12)
-        np.testing.assert_allclose(fine.center, [0.5, 0.5, 0.5], atol=1e-12)
-
-    def test_a_measured_normal_decides_between_faces(self):
-        point = np.array([[0.0601, 0.03, 0.0595]])
-        for normal in ([1.0, 0, 0], [0, 0, 1.0]):
-            _, chosen = CUBE.closest(point, np.array([normal]))
-            np.testing.assert_allclose(CUBE.normals[chosen[0]], normal)
-
-    def test_open_surfaces_are_refused(self):
-        with self.assertRaises(ValueError):
-            Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-
-
-class Rotations(unittest.TestCase):
-    def test_notations_agree(self):
-        for R in random_rotations(np.random.default_rng(3), 50):
-            np.testing.assert_allclose(from_wxyz(to_wxyz(R)), R, atol=1e-12)
-            np.testing.assert_allclose(exp_rotation(log_rotation(R)), R, atol=1e-9)
-            self.assertAlmostEqual(angle_of(R), np.linalg.norm(log_rotation(R)), places=7)
-
-    def test_a_step_is_the_difference_it_makes(self):
-        random, about = np.random.default_rng(4), np.array([0.2, 0.1, -0.3])
-        pose = Pose(random_rotations(random, 1)[0], random.normal(size=3))
-        step = 0.1 * random.normal(size=6)
-        np.testing.assert_allclose(difference(moved(pose, step, about), pose, about), step, atol=1e-9)
-
-    def test_covariance_of_another_point(self):
-        random = np.random.default_rng(5)
-        A = random.normal(size=(6, 6))
-        offset, steps = np.array([0.3, -0.2, 0.1]), 1e-4 * random.normal(size=(40000, 6)) @ A.T
-        there = steps[:, :3] + np.cross(steps[:, 3:], offset)
-        drawn = np.cov(np.hstack([there, steps[:, 3:]]).T)
-        np.testing.assert_allclose(covariance_at(1e-8 * A @ A.T, offset), drawn, atol=3e-2 * np.abs(drawn).max())
 
 
 class Derivatives(unittest.TestCase):

@@ -12,12 +12,12 @@ sys.path[:0] = [str(TOOLS / folder) for folder in ("register", "common", "lab/re
 import numpy as np  # noqa: E402
 
 from palpate_common import robust  # noqa: E402
-from palpate_register.observations import Cloud, Guess, Observations, Touches  # noqa: E402
-from palpate_common.rotations import exp_rotation  # noqa: E402
 from palpate_common.pose import Pose, difference, random_rotations  # noqa: E402
-from palpate_register.refine import refine  # noqa: E402
-from palpate_register import register as registering  # noqa: E402
+from palpate_common.rotations import exp_rotation  # noqa: E402
 from palpate_common.surface import Surface, box_surface  # noqa: E402
+from palpate_register import register as registering  # noqa: E402
+from palpate_register.observations import Cloud, Guess, Observations, Touches  # noqa: E402
+from palpate_register.refine import refine  # noqa: E402
 from palpate_register.symmetry import find_symmetries  # noqa: E402
 from set_up import CAMERA, SetUp  # noqa: E402
 
