@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 LEAST_HOLD, NOMINAL = 0.90, 0.95  # share of intervals that contain the truth
-TOO_WIDE = 2.0  # deviation over error, root mean squares
+TOO_WIDE = 2.0  # factor by which intervals may be wider than needed
 RESAMPLES = 2000
 
 

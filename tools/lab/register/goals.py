@@ -35,15 +35,16 @@ def text_of(name: str, by: str, results: list[dict[str, Any]]) -> tuple[str, dic
     if by == "touched":
         bound_p = np.sqrt(column["bound"][:, :3].sum(axis=1))
         bound_a = np.degrees(np.sqrt(column["bound"][:, 3:].sum(axis=1)))
-        for what, unit, factor, error, bound in (("position", "mm", 1e3, position, bound_p), ("angle", "degree", 1.0, angle, bound_a)):
+        for what, unit, factor, error, bound in (("position", "mm", 1e3, position, bound_p),
+                                                 ("angle", "degree", 1.0, angle, bound_a)):  # fmt: skip
             ratio = rms(error) / rms(bound)
             values[f"{what}_ratio"] = ratio
-            lines.append(goal_line(f"{what}, RMS error / RMS Cramer-Rao bound",
-                                   f"{factor * rms(error):.3f} / {factor * rms(bound):.3f} {unit} = {ratio:.2f}", f"at most {RATIO}", ratio <= RATIO))  # fmt: skip
+            reached = f"{factor * rms(error):.3f} / {factor * rms(bound):.3f} {unit} = {ratio:.2f}"
+            lines.append(goal_line(f"{what}, RMS error / RMS Cramer-Rao bound", reached, f"at most {RATIO}", ratio <= RATIO))
         most_p, most_a = WITHIN[name]
         share = float(np.mean((position <= most_p) & (angle <= most_a)))
         lines.append(goal_line(f"within {1e3 * most_p:g} mm and {most_a:g} degree", f"{100 * share:.0f} %",
-                           f"at least {100 * SHARE:.0f} %", share >= SHARE))  # fmt: skip
+                               f"at least {100 * SHARE:.0f} %", share >= SHARE))  # fmt: skip
     else:
         share = float(np.mean(position <= WITHIN_SEEN))
         lines.append(goal_line(f"position within {1e3 * WITHIN_SEEN:g} mm", f"{100 * share:.0f} %",
