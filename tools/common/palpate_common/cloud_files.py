@@ -1,4 +1,4 @@
-"""Clouds from PLY, PCD, XYZ (text) and NPY files: (n, 3), m, in W."""
+"""Clouds from PLY, PCD, XYZ (text) and NPY files: (n, 3), m, in the file's frame."""
 
 from __future__ import annotations
 

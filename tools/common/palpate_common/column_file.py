@@ -1,10 +1,11 @@
-"""CSV files whose first line names their columns; wrong ones are reported by file, line, column, value and what is allowed."""
+"""CSV files whose first line names their columns; what is wrong is reported by file, line, column, value and what is allowed."""
 
 from __future__ import annotations
 
 import csv
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +48,7 @@ class ColumnFile:
         """(rows, names)."""
         return np.array([self.columns[name] for name in names], float).reshape(len(names), -1).T
 
-    def fail(self, row: int, text: str) -> None:
+    def fail(self, row: int, text: str) -> NoReturn:
         """Raises InputError with file and line."""
         raise InputError(f"{self.path}:{self.lines[row]}: {text}")
 

@@ -1,4 +1,4 @@
-"""Levenberg and Marquardt's method with the damping of Marquardt 1963, for losses whose weights change with the residuals."""
+"""Levenberg and Marquardt's method (Marquardt 1963) for losses whose weights change with the residuals."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-State, At = TypeVar("State"), TypeVar("At")
+State = TypeVar("State")
+At = TypeVar("At")
 FIRST, LEAST, LARGEST = 1e-4, 1e-9, 1e6  # damping relative to the diagonal of the normal equations
 GAINED = 1e-6  # relative decrease of the loss below which the iteration ends
 

@@ -280,7 +280,7 @@ class Tool(unittest.TestCase):
 
     def test_a_tool_that_is_not_there_is_reported(self):
         away = moved(CAMERA, np.array([0.6, 0, 0, 0, 0, 0]), np.zeros(3))
-        with self.assertRaisesRegex(InputError, "clouds.csv: cloud 1: 0 points within 0.1 m of the tool at the guess"):
+        with self.assertRaisesRegex(InputError, "clouds.csv: cloud 1: 0 points within 0.1 m of the tool where --guess"):
             fit_tool(seen_tool(4, np.random.default_rng(4), guess=away))
 
 

@@ -12,7 +12,7 @@ from palpate_common.pose import Pose
 from palpate_common.undetermined import undetermined_directions
 
 Floats = NDArray[np.float64]
-OUTLIER = 0.5  # weight below which a measurement counts as gross error
+OUTLIER = 0.5  # weight below which a residual counts as gross error
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,5 +50,5 @@ class CameraFit:
         return float(np.median(group.deviation)) * self.estimate.factors[group.name]
 
     def gross(self, group: Group) -> NDArray[np.int64]:
-        """Indices of measurements with little weight."""
+        """Indices, (k,), of residuals with little weight."""
         return np.flatnonzero(self.estimate.weights[group.name] < OUTLIER)

@@ -49,8 +49,8 @@ class Intrinsics:
 def read_intrinsics(path: Path) -> Intrinsics:
     """Of a YAML file with fx, fy, cx, cy and optionally distortion. Raises InputError."""
     section = read_section(path)
-    focal = [section.number(key, 10, 1e5) for key in ("fx", "fy")]
-    center = [section.number(key, -1e5, 1e5) for key in ("cx", "cy")]
+    fx, fy = (section.number(key, 10, 1e5) for key in ("fx", "fy"))
+    cx, cy = (section.number(key, -1e5, 1e5) for key in ("cx", "cy"))
     distortion = section.numbers("distortion", 5, -10, 10, [0.0] * 5)
     section.check_unused()
-    return Intrinsics(*focal, *center, tuple(distortion))
+    return Intrinsics(fx, fy, cx, cy, tuple(distortion))

@@ -2,8 +2,8 @@
 
 Each group (depths, pixels, errors of the arm's poses) has a stated deviation per measurement, and a factor on all of them
 that is estimated together with the parameters: Foerstner 1979, Ein Verfahren zur Schaetzung von Varianz- und
-Kovarianzkomponenten, whose iteration ends at the restricted maximum likelihood. The intervals are those of Student's distribution with the freedom of
-Satterthwaite 1946, since the factors are uncertain, too.
+Kovarianzkomponenten, whose iteration ends at the restricted maximum likelihood. The intervals are those of Student's
+distribution with the degrees of freedom of Satterthwaite 1946, since the factors are uncertain, too.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ class Group:
     unit: str
     is_robust: bool  # may be gross errors
     is_estimated: bool  # whether the factor on the deviations is estimated
+    each: int = 1  # residuals of one measurement, one after the other
 
 
 State = TypeVar("State")
@@ -58,7 +59,7 @@ class Problem(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Result: state with the covariance, (p, p), of its step and the freedom, (p,), of each variance."""
+    """Result: state with the covariance, (p, p), of its step and the degrees of freedom, (p,), of each variance."""
 
     state: Any
     covariance: Floats
@@ -108,7 +109,8 @@ def minimised(problem: Problem, state: State, factors: dict[str, float], widenin
         return H[:n, :n], g[:n]
 
     def stepped(at: State, step: Floats) -> State:
-        return problem.stepped(at, np.concatenate([step, np.zeros(problem.count - n)]))
+        result: State = problem.stepped(at, np.concatenate([step, np.zeros(problem.count - n)]))
+        return result
 
     return levenberg_marquardt.minimised(state, problem.groups, lambda groups: _cost(groups, factors, widening), normal_of,
                                          stepped, WEAK)[0]  # fmt: skip
@@ -130,7 +132,7 @@ def _components(groups: list[Group], factors: dict[str, float]) -> tuple[Floats,
         w = _weights(group, factors[group.name], 1.0)
         parts.append(group.J.T @ ((w / factors[group.name] ** 2)[:, None] * group.J))
         sizes.append(float(w.sum()))
-    total = sum(parts) + WEAK**2 * np.eye(parts[0].shape[0])
+    total: Floats = np.sum(parts, axis=0) + WEAK**2 * np.eye(parts[0].shape[0])
     scale = 1 / np.sqrt(np.diag(total))
     covariance = np.linalg.inv(total * np.outer(scale, scale)) * np.outer(scale, scale)
     redundancy = {group.name: max(size - float(np.trace(covariance @ part)), 0.0)
@@ -138,8 +140,32 @@ def _components(groups: list[Group], factors: dict[str, float]) -> tuple[Floats,
     return covariance, parts, redundancy
 
 
+def _by_components(groups: list[Group], factors: dict[str, float]) -> dict[str, float]:
+    """The next factors: those that the residuals and the stated deviations together say."""
+    _, _, redundancy = _components(groups, factors)
+    found = dict(factors)
+    for group in groups:
+        if group.is_estimated:
+            w = _weights(group, factors[group.name], 1.0)
+            squares = float(w @ group.r**2) / (CONSISTENT if group.is_robust else 1.0)
+            found[group.name] = float(np.sqrt((PRIOR_FREEDOM + squares) / (PRIOR_FREEDOM + redundancy[group.name])))
+    return found
+
+
+def _uncertainty(groups: list[Group], factors: dict[str, float]) -> tuple[Floats, Floats]:
+    """Covariance, (p, p), and the degrees of freedom, (p,), of each variance."""
+    covariance, parts, redundancy = _components(groups, factors)
+    variance = np.diag(covariance)
+    spread = np.zeros(len(variance))
+    for group, part in zip(groups, parts):
+        if group.is_estimated:
+            spread += np.diag(covariance @ part @ covariance) ** 2 / (PRIOR_FREEDOM + redundancy[group.name])
+    return covariance, np.clip(variance**2 / np.maximum(spread, 1e-300), 3.0, 1e6)
+
+
 def estimate(problem: Problem, start: Any, widenings: tuple[float, ...] = WIDENINGS) -> Estimate:
-    """From a start within the basin to the least robust loss, with the factors on the stated deviations."""
+    """From a start within the basin to the least robust loss, with the factors on the stated deviations. widenings: of the
+    loss, one after the other."""
     state = start
     factors = {group.name: 1.0 for group in problem.groups(state)}
     for widening in widenings:
@@ -150,23 +176,11 @@ def estimate(problem: Problem, start: Any, widenings: tuple[float, ...] = WIDENI
         if widening > 1:
             factors = _by_median(groups, factors)
     for _ in range(ROUNDS):
-        _, _, redundancy = _components(groups, factors)
-        old = dict(factors)
-        for group in groups:
-            if group.is_estimated:
-                w = _weights(group, factors[group.name], 1.0)
-                squares = float(w @ group.r**2) / (CONSISTENT if group.is_robust else 1.0)
-                factors[group.name] = float(np.sqrt((PRIOR_FREEDOM + squares) / (PRIOR_FREEDOM + redundancy[group.name])))
+        old, factors = factors, _by_components(groups, factors)
         state = minimised(problem, state, factors, 1.0)
         groups = problem.groups(state)
         if all(abs(factors[name] / old[name] - 1) < 0.01 for name in factors):
             break
-    covariance, parts, redundancy = _components(groups, factors)
-    variance = np.diag(covariance)
-    spread = np.zeros(len(variance))
-    for group, part in zip(groups, parts):
-        if group.is_estimated:
-            spread += np.diag(covariance @ part @ covariance) ** 2 / (PRIOR_FREEDOM + redundancy[group.name])
-    freedom = np.clip(variance**2 / np.maximum(spread, 1e-300), 3.0, 1e6)
+    covariance, freedom = _uncertainty(groups, factors)
     weights = {group.name: _weights(group, factors[group.name], 1.0) for group in groups}
     return Estimate(state, covariance, freedom, groups, factors, weights)

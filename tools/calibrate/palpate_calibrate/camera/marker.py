@@ -98,7 +98,7 @@ class MarkerProblem:
             rows.append(J.reshape(8, -1))
         deviation = np.full(8 * len(rows), seen.pixel_deviation)
         corners = Group("corners", np.concatenate(r) / deviation, np.concatenate(rows) / deviation[:, None], deviation, "px",
-                        True, True)  # fmt: skip
+                        True, True, 2)  # fmt: skip
         if seen.place is None:
             return [corners, self._size(state), *error_groups(state.errors, seen.arm, 13, self.count)]
         return [corners, self._size(state), self._of_place(state, seen.place)]

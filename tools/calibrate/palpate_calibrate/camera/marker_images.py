@@ -44,9 +44,7 @@ class MarkerDetector:
     def __init__(self, dictionary: str, number: int) -> None:
         self._cv = opencv()
         aruco = self._cv.aruco
-        prefix = "" if dictionary == "aruco_original" else "DICT_"
-        name = f"{prefix}{dictionary.upper()}" if prefix else "DICT_ARUCO_ORIGINAL"
-        self._dictionary = aruco.getPredefinedDictionary(getattr(aruco, name))
+        self._dictionary = aruco.getPredefinedDictionary(getattr(aruco, f"DICT_{dictionary.upper()}"))
         size = len(self._dictionary.bytesList)
         if not 0 <= number < size:
             raise InputError(f"--marker: {number}; allowed: 0 to {size - 1} of {dictionary}")

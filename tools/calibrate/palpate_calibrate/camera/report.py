@@ -18,14 +18,14 @@ _ADVICE = {"touches": "touch points that are spread over the workspace in all di
 def _groups(fit: CameraFit) -> list[dict[str, Any]]:
     found = []
     for group in fit.estimate.groups:
-        residuals = fit.residuals(group)
+        residuals, gross = fit.residuals(group), np.unique(fit.gross(group) // group.each)
         found.append({"name": group.name, "count": len(residuals), "rms": float(np.sqrt(np.mean(residuals**2))),
-                      "deviation": fit.deviation(group), "unit": group.unit, "gross": fit.gross(group).tolist()})  # fmt: skip
+                      "deviation": fit.deviation(group), "unit": group.unit, "gross": gross.tolist()})  # fmt: skip
     return found
 
 
 def summary(fit: CameraFit, notes: list[str]) -> dict[str, Any]:
-    """Everything that the table shows; m and rad, the groups of residuals in their units."""
+    """Everything that the table shows; m and rad, the groups of residuals in their units. gross: measurements, from 0."""
     return {"way": fit.way, "source": fit.source, "camera_in_base": pose_section(fit.pose),
             "half_widths": {"position": fit.half_widths[:3].tolist(), "rotation": fit.half_widths[3:].tolist()},
             "covariance": fit.covariance.tolist(), "others": {name: pose_section(pose) for name, pose in fit.others.items()},
@@ -50,9 +50,7 @@ def table(fit: CameraFit, notes: list[str]) -> str:
         lines.append(f"  residual of {entry['name']}: {entry['rms']:.3g} {entry['unit']} RMS of {entry['count']}, "
                      f"standard deviation {entry['deviation']:.3g}, {len(entry['gross'])} gross errors")  # fmt: skip
         if fit.way == "touches" and entry["gross"]:
-            each = 1 if entry["name"].startswith("depth") else 2
-            numbers = sorted({i // each + 1 for i in entry["gross"]})
-            lines.append(f"    of the points {', '.join(map(str, numbers))}")
+            lines.append(f"    of the points {', '.join(str(i + 1) for i in entry['gross'])}")
     lines += [f"  {note}" for note in notes]
     if fit.undetermined:
         lines += ["", f"Not determined: {'; '.join(fit.undetermined)}. Remedy: {_ADVICE[fit.way]}"]

@@ -55,8 +55,8 @@ class ToolClouds:
             feet = self.tool.closest(in_E)[0] if len(some) else in_E
             some = some[np.linalg.norm(in_E - feet, axis=1) < reach]
             if len(some) < FEWEST_POINTS:
-                raise InputError(f"{self.source}: cloud {k + 1}: {len(some)} points within {reach:g} m of the tool at the "
-                                 f"guess; allowed: {FEWEST_POINTS} or more")  # fmt: skip
+                raise InputError(f"{self.source}: cloud {k + 1}: {len(some)} points within {reach:g} m of the tool where "
+                                 f"--guess places it; allowed: {FEWEST_POINTS} or more")  # fmt: skip
             found.append(some[_evenly(len(some), most)])
         return found
 
@@ -108,13 +108,8 @@ class ToolProblem:
         return [of_cloud, *error_groups(state.errors, self._seen.arm, 6, self.count)]
 
     def stepped(self, state: ToolState, step: Floats) -> ToolState:
-        return ToolState(moved(state.camera, step[:6], np.zeros(3)), _stepped_errors(state.errors, step[6:]))
-
-
-def _stepped_errors(errors: Floats, step: Floats) -> Floats:
-    """The rotations are so small that they add up."""
-    result: Floats = errors + step.reshape(errors.shape)
-    return result
+        """The arm's rotations are so small that they add up."""
+        return ToolState(moved(state.camera, step[:6], np.zeros(3)), state.errors + step[6:].reshape(-1, 6))
 
 
 def fit_tool(seen: ToolClouds) -> CameraFit:

@@ -88,7 +88,7 @@ class TouchProblem:
             turns = np.cross(np.repeat(arm, directions.shape[1], axis=0), a)
             r = np.einsum("nki,ni->nk", directions, error).ravel()
             J = np.hstack([a, turns]) / deviation[:, None]
-            found.append(Group(name, r / deviation, J, 1e3 * deviation, "mm", True, True))
+            found.append(Group(name, r / deviation, J, 1e3 * deviation, "mm", True, True, directions.shape[1]))
         return found
 
     def stepped(self, state: Pose, step: Floats) -> Pose:
