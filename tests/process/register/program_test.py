@@ -5,7 +5,6 @@ usage: program_test.py BINARIES SOURCE
 import json
 import os
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
@@ -17,7 +16,6 @@ sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("register", "commo
 
 import numpy as np  # noqa: E402
 
-from palpate_common.cloud_files import read_cloud  # noqa: E402
 from palpate_common.input_error import InputError  # noqa: E402
 from palpate_common.mesh_files import read_surface  # noqa: E402
 from palpate_common.pose import Pose, difference  # noqa: E402
@@ -127,31 +125,6 @@ class Files(Case):
         file.write_text("deviation, z,y,x\n# a comment\n0.001,3,2,1\n")
         self.assertEqual(read(file).points.tolist(), [[1, 2, 3]])
         self.assertEqual(read(file).deviation.tolist(), [0.001])
-
-    def test_clouds_of_all_formats(self):
-        points = np.random.default_rng(1).normal(size=(20, 3)).astype(np.float32)
-        colour = [(*point, 7) for point in points]
-        packed = b"".join(struct.pack("<fffB", *row) for row in colour)
-        text = "\n".join(f"{a:.9g} {b:.9g} {c:.9g}" for a, b, c in points)
-        ply = "ply\nformat {}\nelement vertex 20\nproperty float x\nproperty float y\nproperty float z\n{}end_header\n"
-        pcd = "VERSION 0.7\nFIELDS x y z{}\nSIZE 4 4 4{}\nTYPE F F F{}\nCOUNT 1 1 1{}\nWIDTH 20\nHEIGHT 1\nPOINTS 20\nDATA {}\n"
-        contents = {
-            "a.xyz": text.encode(),
-            "a.ply": (ply.format("ascii 1.0", "") + text).encode(),
-            "b.ply": ply.format("binary_little_endian 1.0", "property uchar red\n").encode() + packed,
-            "a.pcd": (pcd.format("", "", "", "", "ascii") + text).encode(),
-            "b.pcd": pcd.format(" i", " 1", " U", " 1", "binary").encode() + packed,
-        }
-        for name, data in contents.items():
-            file = self.folder / name
-            file.write_bytes(data)
-            np.testing.assert_allclose(read_cloud(file), points, rtol=1e-6, err_msg=name)
-        np.save(self.folder / "a.npy", points)
-        np.testing.assert_allclose(read_cloud(self.folder / "a.npy"), points)
-        (self.folder / "b.ply").write_bytes(contents["b.ply"][:-40])
-        self.refused(read_cloud, self.folder / "b.ply", "ends before the 20 points")
-        (self.folder / "a.xyz").write_text("1 2 3\n1 2\n")
-        self.refused(read_cloud, self.folder / "a.xyz", "line 2")
 
     def test_meshes_of_palpate_mesh(self):
         maker = BINARIES / "palpate-mesh"

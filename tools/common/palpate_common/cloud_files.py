@@ -1,8 +1,9 @@
-"""Clouds from PLY, PCD, XYZ (text) and NPY files: (n, 3), m, in the file's frame."""
+"""Clouds from PLY, PCD, XYZ (text) and NPY files: points in m, and colours where the file has them."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,26 +17,52 @@ PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": 
              "float": "f4", "float32": "f4", "double": "f8", "float64": "f8"}  # fmt: skip
 
 
+class CloudContent(NamedTuple):
+    """points: (n, 3), m, some of which may not be finite. colours: (n, 3), red, green and blue from 0 to 1, or None."""
+
+    points: Floats
+    colours: Optional[Floats]
+
+
 def read_cloud(path: Path) -> Floats:
-    """Points of a file; those that are not finite are left out. Raises InputError."""
+    """Points of a file, (n, 3), m; those that are not finite are left out. Raises InputError, also for fewer than 10."""
+    points = read_coloured_cloud(path).points
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) < 10:
+        raise InputError(f"{path}: {len(points)} finite points; allowed: 10 or more")
+    return points
+
+
+def read_coloured_cloud(path: Path) -> CloudContent:
+    """All points of a file, of any number. Colours are of PLY's red, green, blue, of PCD's rgb, or of columns 4 to 6 of XYZ
+    and NPY, from 0 to 1 or to 255. Raises InputError."""
     readers = {".ply": _read_ply, ".pcd": _read_pcd, ".xyz": _read_xyz, ".txt": _read_xyz, ".npy": _read_npy}
     reader = readers.get(path.suffix.lower())
     if reader is None:
         raise InputError(f"{path}: reads {', '.join(readers)}")
     try:
-        points = np.asarray(reader(path), float)
+        table = np.asarray(reader(path), float)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
     except (ValueError, IndexError, KeyError, TypeError) as error:
         raise InputError(f"{path}: {error}") from error
-    if points.ndim != 2 or points.shape[1] < 3:
-        raise InputError(f"{path}: an array of shape {points.shape}; allowed: (points, 3)")
-    points = points[np.isfinite(points[:, :3]).all(axis=1), :3]
-    if len(points) < 10:
-        raise InputError(f"{path}: {len(points)} finite points; allowed: 10 or more")
-    if np.abs(points).max() > LARGEST:
-        raise InputError(f"{path}: a coordinate of {np.abs(points).max():g} m; allowed: up to {LARGEST:g} m (is the file in mm?)")
-    return points
+    if table.ndim != 2 or table.shape[1] < 3:
+        raise InputError(f"{path}: an array of shape {table.shape}; allowed: (points, 3)")
+    points = table[:, :3]
+    largest = np.abs(points[np.isfinite(points).all(axis=1)]).max(initial=0.0)
+    if largest > LARGEST:
+        raise InputError(f"{path}: a coordinate of {largest:g} m; allowed: up to {LARGEST:g} m (is the file in mm?)")
+    return CloudContent(points, _shares(table[:, 3:6]) if table.shape[1] >= 6 else None)
+
+
+def unpacked_colours(packed: NDArray[np.uint32]) -> Floats:
+    """(n, 3) from 0 to 1 of words 0x00RRGGBB, (n,)."""
+    result: Floats = np.stack([(packed >> shift) & 255 for shift in (16, 8, 0)], axis=1) / 255.0
+    return result
+
+
+def _shares(colours: Floats) -> Floats:
+    return colours / 255.0 if np.nanmax(colours, initial=0.0) > 1 else colours
 
 
 def _header(data: bytes, last: str) -> tuple[list[list[str]], bytes]:
@@ -56,7 +83,17 @@ def _columns(table: NDArray[np.void]) -> Floats:
     names = table.dtype.names or ()
     if not {"x", "y", "z"} <= set(names):
         raise ValueError(f"has the fields {', '.join(names)}; x, y and z are needed")
-    return np.column_stack([table[axis].astype(float) for axis in "xyz"])
+    points = np.column_stack([table[axis].astype(float) for axis in "xyz"])
+    if {"red", "green", "blue"} <= set(names):
+        # Divided here: 0 or 1 of 255 in all of a dark cloud are no shares of 1.
+        scale = 255.0 if table["red"].dtype.kind in "iu" else 1.0
+        return np.column_stack([points, *(table[name].astype(float) / scale for name in ("red", "green", "blue"))])
+    for name in ("rgb", "rgba"):
+        if name in names:
+            words = np.ascontiguousarray(table[name])
+            words = words.view(np.uint32) if words.dtype == np.float32 else words.astype(np.uint32)
+            return np.column_stack([points, unpacked_colours(words)])
+    return points
 
 
 def _table(body: bytes, dtype: np.dtype[np.void], count: int, is_text: bool) -> NDArray[np.void]:
@@ -65,7 +102,9 @@ def _table(body: bytes, dtype: np.dtype[np.void], count: int, is_text: bool) -> 
         if len(rows) < count:
             raise ValueError(f"{len(rows)} points of the {count} that its header states")
         width = len(dtype.names or ())
-        return np.array([tuple(float(word) for word in row[:width]) for row in rows], [(n, "f8") for n in dtype.names or ()])
+        # Text of a float32 is one; of integers, a number.
+        kinds = [(name, dtype[name]) for name in dtype.names or ()]
+        return np.array([tuple(float(word) for word in row[:width]) for row in rows], kinds)
     if len(body) < count * dtype.itemsize:
         raise ValueError(f"ends before the {count} points that its header states")
     return np.frombuffer(body, dtype, count)
@@ -111,9 +150,14 @@ def _read_xyz(path: Path) -> Floats:
                 raise ValueError(f"line {number}: {line.strip()!r}; allowed: three numbers") from None
             if len(rows[-1]) < 3:
                 raise ValueError(f"line {number}: {len(rows[-1])} numbers; allowed: three or more")
-    return np.array(rows).reshape(-1, 3)
+            try:
+                rows[-1] += [float(word) for word in words[3:6]]  # a colour, or anything else
+            except ValueError:
+                pass
+    width = 6 if rows and min(map(len, rows)) == 6 else 3
+    return np.array([row[:width] for row in rows]).reshape(-1, width)
 
 
 def _read_npy(path: Path) -> Floats:
     points: Floats = np.load(path, allow_pickle=False)
-    return points
+    return points.reshape(-1, points.shape[2]) if points.ndim == 3 else points

@@ -108,6 +108,12 @@ class Section:
             self.fail(key, f"{value!r}; allowed: a number from {lower:g} to {upper:g}")
         return float(value)
 
+    def whole(self, key: str, lower: int, upper: int, default: Any = REQUIRED) -> int:
+        value = self._value(key, default)
+        if isinstance(value, bool) or not isinstance(value, int) or not lower <= value <= upper:
+            self.fail(key, f"{value!r}; allowed: a whole number from {lower} to {upper}")
+        return value
+
     def numbers(self, key: str, count: int, lower: float, upper: float, default: Any = REQUIRED) -> list[float]:
         values = self._value(key, default)
         if not isinstance(values, list) or len(values) != count or not all(

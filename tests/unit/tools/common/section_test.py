@@ -37,6 +37,14 @@ class Files(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "none.yaml: No such file"):
             read_section(self.folder / "none.yaml")
 
+    def test_whole_numbers(self):
+        section = read_section(self.file("a.yaml", "a: 3\nb: 3.0\nc: true\nd: 12\n"))
+        self.assertEqual((section.whole("a", 1, 10), section.whole("e", 1, 10, 7)), (3, 7))
+        for key, words in (("b", "b: 3.0; allowed: a whole number from 1 to 10"), ("c", "c: True"), ("d", "d: 12"),
+                           ("e", "required")):  # fmt: skip
+            with self.assertRaisesRegex(InputError, words):
+                section.whole(key, 1, 10)
+
     def test_numbers_are_read_as_palpated_reads_them(self):
         section = read_section(self.file("a.yaml", "e: 30e3\nf: 1.5E-2\ng: -2\nt: e3\n"))
         self.assertEqual([section.number(key, -10, 1e6) for key in "efg"], [30e3, 0.015, -2.0])
