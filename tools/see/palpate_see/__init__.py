@@ -1,0 +1,1 @@
+"""A depth camera's clouds as observed points of the object on SHAPE_OBSERVATION."""
