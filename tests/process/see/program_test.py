@@ -64,6 +64,14 @@ def depth_image():
     return image
 
 
+def state(utime, angle=0.0):
+    """ROBOT_STATE of seven joints at the same angle, rad, encoded."""
+    message = palpate.messages.robot_state_t()
+    message.utime, message.joint_count = utime, 7
+    message.q[:7] = [angle] * 7
+    return message.encode()
+
+
 def run(*words, timeout=120):
     return subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=timeout)
 
@@ -86,9 +94,7 @@ class Case(unittest.TestCase):
         path = self.folder / name
         with palpate.EventLogWriter(path) as writer:
             for utime in joints:
-                message = palpate.messages.robot_state_t()
-                message.utime, message.joint_count = utime, 7
-                writer.write(utime, "ROBOT_STATE", message.encode())
+                writer.write(utime, "ROBOT_STATE", state(utime))
             for utime in utimes:
                 writer.write(utime + 2000, "POINT_CLOUD", encoded_cloud(SEEN.tolist(), utime))
         return path
@@ -173,10 +179,14 @@ class Live(Case):
             self.skipTest(f"multicast does not work here: {error}")
         self.addCleanup(sender.close)
         over = threading.Event()
+        self.write(f"robot: {{urdf: {URDF}, hand_joints: [], most_gap_ms: 500}}\n")
 
         def send():
             while not over.wait(0.1):
                 utime = time.time_ns() // 1000
+                for ahead, angle in ((0, 0.0), (0, float("nan")), (10**12, 0.0)):
+                    sender.publish("ROBOT_STATE", state(utime + ahead, angle))
+                sender.publish("ROBOT_STATE", b"malformed")
                 sender.publish("POINT_CLOUD", encoded_cloud(SEEN.tolist(), utime))
                 sender.publish("POINT_CLOUD", b"malformed")
 
@@ -200,9 +210,10 @@ class Live(Case):
         for message in messages:
             self.is_the_bar(np.array(message.points)[: message.count])
         self.assertGreaterEqual(output.count("clouds:"), 2)  # once a second, and at the end
-        counters = json.loads((self.folder / "all.json").read_text())["clouds"]
-        self.assertGreater(counters["malformed"], 0)
-        self.assertEqual(len(palpate.read_log(self.folder / "seen.log")[CHANNEL]), counters["published"])
+        counters = json.loads((self.folder / "all.json").read_text())
+        self.assertGreater(counters["clouds"]["malformed"], 0)
+        self.assertGreaterEqual(counters["refused_states"], 3)  # not finite, ahead of the clock, malformed
+        self.assertEqual(len(palpate.read_log(self.folder / "seen.log")[CHANNEL]), counters["clouds"]["published"])
 
     def test_ends_after_the_given_time(self):
         done = run("--config", self.config, "--seconds", 0.3)

@@ -13,9 +13,11 @@ POINTS = ("received", "not_finite", "range", "crop", "colour", "obstacles", "rob
 
 class Counters:
     """clouds, points: numbers since the start by reason; all but `received` and `published` were removed. `few` are points
-    of clouds of which too few were left; those of clouds that were not used are in `received` only."""
+    of clouds of which too few were left; those of clouds that were not used are in `received` only. refused_states: joint
+    states that cannot be used."""
 
     def __init__(self) -> None:
+        self.refused_states = 0
         self.clouds = dict.fromkeys(CLOUDS, 0)
         self.points = dict.fromkeys(POINTS, 0)
 
@@ -25,12 +27,13 @@ class Counters:
         self.clouds[reason] += 1
 
     def line(self) -> str:
-        """Both in one line each, without the reasons that did not occur."""
-        return f"clouds: {_shown(self.clouds)}\npoints: {_shown(self.points)}"
+        """Each in one line, without the reasons that did not occur."""
+        states = f"\njoint states: {self.refused_states} refused" if self.refused_states else ""
+        return f"clouds: {_shown(self.clouds)}\npoints: {_shown(self.points)}{states}"
 
     def as_json(self) -> dict[str, Any]:
         """For --json."""
-        return {"clouds": dict(self.clouds), "points": dict(self.points)}
+        return {"clouds": dict(self.clouds), "points": dict(self.points), "refused_states": self.refused_states}
 
 
 def _shown(numbers: dict[str, int]) -> str:

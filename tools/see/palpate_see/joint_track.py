@@ -23,6 +23,10 @@ class JointTrack:
         self._times: list[int] = []
         self._states: list[Floats] = []
 
+    @property
+    def has_states(self) -> bool:
+        return bool(self._times)
+
     def add(self, utime: int, q: Sequence[float]) -> None:
         """A state, (k,), rad, at utime, us. One that is not later than the last is ignored."""
         if self._times and utime <= self._times[-1]:

@@ -16,6 +16,7 @@ from palpate_see.outputs import Output
 from palpate_see.pipeline import Pipeline
 from palpate_see.point_cloud_message import MalformedCloud, decode_point_cloud
 from palpate_see.robot_body import RobotBody
+from palpate_see.timing import AHEAD_US
 
 MOST_AT_ONCE = 2000  # packets of one URL before the next one's turn
 WAIT = 0.1  # s, in which a signal takes effect
@@ -74,11 +75,12 @@ class Live:
                 self._take(packet.channel, packet.data)
 
     def _take(self, channel: str, data: bytes) -> None:
+        counters = self._pipeline.counters
         if channel != self._channel:
             if self._body is not None:
-                take_state(self._body, channel, data, self._decode)
+                latest = self._clock() + AHEAD_US
+                counters.refused_states += not take_state(self._body, channel, data, self._decode, latest)
             return
-        counters = self._pipeline.counters
         try:
             cloud = decode_point_cloud(data)
         except MalformedCloud:

@@ -27,23 +27,25 @@ def read_log(path: Path, channel: str) -> Iterator[tuple[Optional[Cloud], int]]:
         raise InputError(f"{path}: has no {channel}; allowed as channel of the configuration: {', '.join(sorted(seen))}")
 
 
-def read_joints(path: Path, body: RobotBody) -> None:
-    """Adds all states of arm and hand in a log. Raises InputError."""
+def read_joints(path: Path, body: RobotBody) -> int:
+    """Adds all states of arm and hand in a log. Returns how many of them cannot be used. Raises InputError."""
     decode = palpate_package.load().decode
-    for event in _events(path):
-        take_state(body, event.channel, event.data, decode)
+    return sum(not take_state(body, event.channel, event.data, decode) for event in _events(path))
 
 
-def take_state(body: RobotBody, channel: str, data: bytes, decode: Any) -> None:
-    """Adds a message if it is a state of the arm or the hand. One that cannot be decoded is ignored."""
+def take_state(body: RobotBody, channel: str, data: bytes, decode: Any, latest: Optional[int] = None) -> bool:
+    """Adds a message if it is a state of the arm or the hand. False if it is one that cannot be decoded or used, or one with a
+    stamp after `latest`, us."""
     if channel not in ("ROBOT_STATE", "HAND_STATE"):
-        return
+        return True
     try:
         message = decode(channel, data)
     except ValueError:
-        return
+        return False
+    if latest is not None and message.utime > latest:
+        return False
     add = body.add_arm if channel == "ROBOT_STATE" else body.add_hand
-    add(message.utime, list(message.q)[: max(message.joint_count, 0)])
+    return add(message.utime, list(message.q)[: max(message.joint_count, 0)])
 
 
 def _events(path: Path) -> Iterator[Any]:

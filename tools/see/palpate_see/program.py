@@ -21,14 +21,16 @@ from palpate_see.robot_body import RobotBody
 FOREVER = 1e9  # s
 
 
-def _body(settings: Settings, options: argparse.Namespace) -> Optional[RobotBody]:
+def _pipeline(settings: Settings, options: argparse.Namespace) -> tuple[Pipeline, Optional[RobotBody]]:
+    """With the robot's body, which knows the states of the logs; None if the robot is not removed."""
     if settings.robot is None:
-        return None
+        return Pipeline(settings), None
     logs = [path for path in (options.log, options.joints) if path]
     body = RobotBody(settings.robot, keeps_all=bool(logs))
+    pipeline = Pipeline(settings, body)
     for path in logs:
-        read_joints(path, body)
-    return body
+        pipeline.counters.refused_states += read_joints(path, body)
+    return pipeline, body
 
 
 def _source(settings: Settings, options: argparse.Namespace) -> Iterator[tuple[Optional[Cloud], Optional[int]]]:
@@ -111,8 +113,7 @@ def run(options: argparse.Namespace) -> int:
     if options.check:
         print("the configuration is valid")
         return 0
-    body = _body(settings, options)
-    pipeline = Pipeline(settings, body)
+    pipeline, body = _pipeline(settings, options)
     reports = _Reports(pipeline.counters, options.json)
     if options.log or options.clouds or options.images:
         _from_files(settings, options, pipeline, reports)

@@ -43,19 +43,24 @@ class RobotBody:
         self._arm = JointTrack(options.most_gap_us, options.arm_at_rest, most)
         self._hand = JointTrack(options.most_gap_us, options.hand_at_rest if options.hand_joints else [], most)
 
-    def add_arm(self, utime: int, q: Sequence[float]) -> None:
-        """Angles of ROBOT_STATE, rad, at utime, us. Raises InputError if their number is not that of the arm's joints."""
-        self._add(self._arm, "ROBOT_STATE", self.options.arm_joints, utime, q)
+    def add_arm(self, utime: int, q: Sequence[float]) -> bool:
+        """Angles of ROBOT_STATE, rad, at utime, us. False if they are not finite or beyond LARGEST_ANGLE, or if their number
+        is not that of the arm's joints; raises InputError for such a number before the first state that fits."""
+        return self._add(self._arm, "ROBOT_STATE", self.options.arm_joints, utime, q)
 
-    def add_hand(self, utime: int, q: Sequence[float]) -> None:
+    def add_hand(self, utime: int, q: Sequence[float]) -> bool:
         """The same of HAND_STATE. One without angles is ignored."""
         if self.options.hand_joints and len(q):
-            self._add(self._hand, "HAND_STATE", self.options.hand_joints, utime, q)
+            return self._add(self._hand, "HAND_STATE", self.options.hand_joints, utime, q)
+        return True
 
-    def _add(self, track: JointTrack, channel: str, names: list[str], utime: int, q: Sequence[float]) -> None:
-        if len(q) != len(names):
+    def _add(self, track: JointTrack, channel: str, names: list[str], utime: int, q: Sequence[float]) -> bool:
+        if len(q) != len(names) and not track.has_states:
             raise InputError(f"{channel}: {len(q)} joints; {self.options.robot.path} has {len(names)}: {', '.join(names)}")
+        if len(q) != len(names) or not all(abs(angle) <= LARGEST_ANGLE for angle in q):
+            return False
         track.add(utime, q)
+        return True
 
     def link_poses(self, utime: int) -> Optional[Poses]:
         """X_WL by link at utime, us; None while the angles then are not known."""

@@ -207,8 +207,17 @@ class Joints(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "ROBOT_STATE: 6 joints; .*lwr_hand.urdf has 7: joint_1"):
             body.add_arm(1, [0] * 6)
         self.assertIsNone(body.link_poses(1))
-        body.add_arm(1, [0] * 7)
+        self.assertTrue(body.add_arm(1, [0] * 7))
         np.testing.assert_allclose(body.link_poses(1)["flange"].p, [0, 0, 1.1785])
+
+    def test_later_states_that_cannot_be_used_are_refused(self):
+        body = RobotBody(self.options("  hand_joints: []\n"))
+        for q in ([np.nan] * 7, [0] * 6 + [np.inf], [0] * 6 + [1001.0]):
+            self.assertFalse(body.add_arm(1, q))
+        self.assertIsNone(body.link_poses(1))
+        self.assertTrue(body.add_arm(1, [0] * 7))
+        self.assertFalse(body.add_arm(2, [0] * 6))
+        np.testing.assert_allclose(body.link_poses(2)["flange"].p, [0, 0, 1.1785])
 
 
 if __name__ == "__main__":

@@ -128,6 +128,8 @@ class Counting(unittest.TestCase):
         counters.clouds["out_of_order"] = 1
         self.assertEqual(counters.line(), "clouds: 3 received, 1 out of order, 0 published\npoints: 0 received, 0 published")
         self.assertEqual(counters.as_json()["clouds"]["old"], 0)
+        counters.refused_states = 2
+        self.assertIn("\njoint states: 2 refused", counters.line())
 
 
 if __name__ == "__main__":
