@@ -160,7 +160,8 @@ def sections(command):
 def options(command, group, out):
     for item in command.groups[group]:
         out.append(".TP")
-        out.append("\\fB" + roff(", ".join(item.names)) + "\\fR" + (" " + roff(item.takes) if item.takes else ""))
+        takes = roff(item.takes).replace(",", ",\\:") if item.takes else ""  # lines may break between choices
+        out.append("\\fB" + roff(", ".join(item.names)) + "\\fR" + (" " + takes if takes else ""))
         out.extend(roff(line) for line in item.text or ["."])
 
 
