@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <random>
 
@@ -34,7 +35,8 @@ double setting(const char* name, double usual) {
 double median(std::vector<double> values, double share = 0.5) {
   if (values.empty()) return std::nan("");
   std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(
+      std::lround(share * static_cast<double>(values.size() - 1)))];
 }
 
 elasticity::Body unknown_push_bar() {
