@@ -1,0 +1,1 @@
+"""Guided set-up of a robot and an object: palpate-setup."""

@@ -1,0 +1,122 @@
+// Shows the steps, asks their questions, and follows the running step twice a second.
+'use strict';
+
+const token = new URLSearchParams(location.hash.slice(1)).get('token') || sessionStorage.getItem('token') || '';
+sessionStorage.setItem('token', token);
+history.replaceState(null, '', location.pathname);
+
+const page = {state: null, chosen: null, asked: ''};
+window.palpateSetup = page;
+const at = (id) => document.getElementById(id);
+
+function request(path, body) {
+  const options = {headers: {'X-Palpate-Token': token}};
+  if (body !== undefined) Object.assign(options, {method: 'POST', body: JSON.stringify(body)});
+  return fetch(path, options);
+}
+
+async function send(path, body) {
+  const answer = await request(path, body);
+  const content = await answer.json().catch(() => ({error: answer.statusText}));
+  at('error').textContent = content.error || '';
+  await follow();
+}
+
+function element(kind, properties, ...children) {
+  const made = Object.assign(document.createElement(kind), properties);
+  made.append(...children);
+  return made;
+}
+
+function field(question) {
+  if (question.choices.length === 0)
+    return element('input', {name: question.key, value: question.default ?? '', autocomplete: 'off'});
+  const select = element('select', {name: question.key},
+                         ...question.choices.map((choice) => element('option', {value: choice, textContent: choice})));
+  if (question.default !== null) select.value = question.default;
+  return select;
+}
+
+// Every question of the step, also those whose condition does not hold now: they are then ignored.
+function showQuestions(step) {
+  const questions = [...(step.questions || [])];
+  const known = new Set(questions.map((question) => question.key));
+  for (const question of step.questions_to_skip || [])
+    if (!known.has(question.key)) questions.push({...question, text: `(if skipped) ${question.text}`});
+  const asked = JSON.stringify([step.name, questions.map((question) => [question.key, question.default])]);
+  if (asked === page.asked) return;
+  page.asked = asked;
+  at('questions').replaceChildren(...questions.flatMap((question) => [
+    element('label', {}, question.text, element('small', {textContent: question.allowed})), field(question)]));
+}
+
+async function showPictures(step) {
+  const wanted = JSON.stringify([step.time, step.pictures]);
+  if (at('pictures').dataset.shown === wanted) return;
+  at('pictures').dataset.shown = wanted;
+  const images = [];
+  for (const name of step.pictures) {
+    const answer = await request(`/file/${name}`);
+    if (answer.ok) images.push(element('img', {src: URL.createObjectURL(await answer.blob()), alt: name}));
+  }
+  at('pictures').replaceChildren(...images);
+}
+
+function show() {
+  const {state} = page;
+  page.chosen = page.chosen || state.running ||
+      (state.steps.find((step) => !['done', 'skipped'].includes(step.status)) || state.steps[0]).name;
+  const step = state.steps.find((one) => one.name === page.chosen);
+  at('project').textContent = state.project;
+  at('steps').replaceChildren(...state.steps.map((one, i) => {
+    const status = one.name === state.running ? 'running' : one.status;
+    const button = element('button', {className: `${one.status} ${one === step ? 'chosen' : ''}`}, `${i + 1}. ${one.title}`,
+                           element('small', {textContent: status}));
+    button.dataset.step = one.name;
+    button.onclick = () => { page.chosen = one.name; show(); };
+    return button;
+  }));
+  at('title').textContent = step.title;
+  at('about').textContent = step.about;
+  at('why').textContent = step.missing.length ? `needs ${step.missing.join(', ')}` : step.why;
+  showQuestions(step);
+  const isBusy = state.running !== '';
+  at('run').disabled = at('skip').disabled = isBusy || step.missing.length > 0;
+  at('stop').hidden = !isBusy;
+  at('waits').hidden = state.waits_for === '';
+  at('waits-for').textContent = state.waits_for;
+  at('log').textContent = isBusy || state.log.length ? state.log.join('\n') : '';
+  at('lines').textContent = step.lines.join('\n');
+  showPictures(step);
+}
+
+async function follow() {
+  const answer = await request('/state');
+  if (!answer.ok) {
+    at('error').textContent = `${answer.status} ${answer.statusText}: open the address that palpate-setup has printed`;
+    return;
+  }
+  page.state = await answer.json();
+  show();
+}
+
+function run(skip) {
+  const step = page.state.steps.find((one) => one.name === page.chosen);
+  const keys = new Set((skip ? step.questions_to_skip : step.questions).map((question) => question.key));
+  const answers = {};
+  for (const input of at('questions').elements)
+    if (keys.has(input.name)) answers[input.name] = input.value;
+  send('/run', {step: page.chosen, skip, answers});
+}
+
+at('run').onclick = () => run(false);
+at('skip').onclick = () => run(true);
+at('stop').onclick = () => send('/stop', {});
+at('continue').onclick = () => send('/continue', {});
+at('questions').onsubmit = (event) => event.preventDefault();
+at('report').onclick = async () => {
+  const answer = await request('/file/report.html');
+  if (answer.ok) window.open(URL.createObjectURL(await answer.blob()));
+};
+setInterval(() => follow().catch((error) => { at('error').textContent = String(error); }), 500);
+follow();
