@@ -73,6 +73,7 @@ void CorotationalModel::prepare() {
 
 void CorotationalModel::reset() noexcept {
   boundary_.clear();
+  releasing_ = {false, false};
   motion_.reset();
   potential_.reset();
   factor_.reset();
@@ -83,11 +84,28 @@ void CorotationalModel::reset() noexcept {
 }
 
 void CorotationalModel::hold(int grasp, const math::Pose& X_OG) noexcept {
+  releasing_[grasp] = false;
   if (boundary_.hold(grasp, X_OG, motion_.positions())) grasps_have_changed();
 }
 
 void CorotationalModel::release(int grasp) noexcept {
-  if (boundary_.release(grasp)) grasps_have_changed();
+  if (!is_held(grasp) || releasing_[grasp]) return;
+  releasing_[grasp] = true;
+  if (factor_.serves(held_after_releases())) return complete_releases();
+  factor_.want_new();
+}
+
+factor::Held CorotationalModel::held_after_releases() const noexcept {
+  factor::Held held = boundary_.held();
+  for (int g = 0; g < 2; ++g) held[g] = held[g] && !releasing_[g];
+  return held;
+}
+
+void CorotationalModel::complete_releases() noexcept {
+  for (int g = 0; g < 2; ++g) {
+    if (releasing_[g] && boundary_.release(g)) grasps_have_changed();
+  }
+  releasing_ = {false, false};
 }
 
 void CorotationalModel::grasps_have_changed() noexcept {
@@ -254,7 +272,7 @@ Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
   snapshot.positions = motion_.positions();
   snapshot.loads = boundary_.loads();
   snapshot.gravity_O = boundary_.gravity();
-  snapshot.held = boundary_.held();
+  snapshot.held = held_after_releases();
   snapshot.contacts = sensitivity_.contacts();
   snapshot.grasps = boundary_.applied();
   if (contacts_) contacts_->describe(job_.contact_samples, snapshot);
@@ -269,6 +287,7 @@ Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
 void CorotationalModel::install(Refactorisation& done) noexcept {
   if (&done != &job_ || !outstanding_) return;
   outstanding_ = false;
+  if (job_.snapshot.held == held_after_releases()) complete_releases();
   if (!job_.factor.usable || !job_.factor.panels.usable(boundary_.held())) {
     factor_.want_new();
     return;

@@ -29,6 +29,8 @@ class CorotationalModel : public DeformationModel {
   const Body& body() const noexcept override { return body_.body; }
   void prepare() override;
   void hold(int grasp, const math::Pose& X_OG) noexcept override;
+  /// Where the present factor cannot serve the body without the grasp (it would be unsupported),
+  /// the grasp remains held, where the hand last was, until a factor of the free body is installed.
   void release(int grasp) noexcept override;
   bool is_held(int grasp) const noexcept override { return boundary_.held()[grasp]; }
   void set_gravity(const Eigen::Vector3d& gravity_O) noexcept override {
@@ -36,8 +38,8 @@ class CorotationalModel : public DeformationModel {
   }
   Eigen::Matrix3Xd& loads() noexcept override { return boundary_.loads(); }
 
-  /// Grasps held or released take effect from the next step on. Fails, with the state unchanged, if
-  /// the factor cannot serve them (the object would be unsupported) until a new one is installed.
+  /// Fails, with the state unchanged, if no factor serves the held grasps, or if a load, a pose or
+  /// the time step is not finite.
   StepReport step(double dt) noexcept override;
   void reset() noexcept override;
   const Eigen::Matrix3Xd& positions() const noexcept override { return motion_.positions(); }
@@ -72,11 +74,14 @@ class CorotationalModel : public DeformationModel {
   void stay_if_better(StepReport& report, double& energy, double dt,
                       const StepBudget& budget) noexcept;
   void grasps_have_changed() noexcept;
+  factor::Held held_after_releases() const noexcept;
+  void complete_releases() noexcept;
 
   SolverOptions options_;
   bool dynamic_;
   NumberedBody body_;
   BoundaryConditions boundary_;
+  factor::Held releasing_{false, false};     // held until a factor serves the body without them
   std::vector<mesh::PointWeights> samples_;  // of the surface, for contact; solver's numbering
   NodalMotion motion_;
   StepPotential potential_;

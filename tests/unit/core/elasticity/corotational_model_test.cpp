@@ -187,6 +187,37 @@ TEST(CorotationalQuasistatic, WithoutSupportTheMatrixIsShiftedAndSaysSo) {
   EXPECT_TRUE(model.sensitivity().valid);
 }
 
+TEST(CorotationalQuasistatic, AnUnsupportedBodyIsReleasedOnceAFactorServesIt) {
+  Body body = bar();
+  body.fixed_nodes.clear();
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  model.hold(0, moved_grasp(body));
+  settle(model, true);
+  ASSERT_FALSE(model.is_regularised());
+  const Matrix3Xd held = model.positions();
+
+  model.release(0);
+  for (int i = 0; i < 5; ++i) {
+    model.release(0);  // repeated, as by an estimator, it changes nothing
+    EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged) << i;
+    EXPECT_TRUE(model.is_held(0));
+    EXPECT_LT((model.positions() - held).colwise().norm().maxCoeff(), 1e-5);
+  }
+  refactor(model);
+  EXPECT_FALSE(model.is_held(0));
+  EXPECT_TRUE(model.is_regularised());
+  EXPECT_EQ(model.reaction(0).force.norm(), 0);
+  EXPECT_NE(model.step(kDt).status, StepStatus::kFailed);
+
+  model.hold(0, moved_grasp(body));
+  refactor(model);
+  model.release(0);
+  model.hold(0, moved_grasp(body));  // taken back
+  refactor(model);
+  EXPECT_TRUE(model.is_held(0));
+}
+
 TEST(CorotationalQuasistatic, RestoreRefusesWhatDoesNotFit) {
   const Body body = bar();
   CorotationalQuasistatic model(body);
