@@ -3,6 +3,7 @@ import json
 import os
 import pathlib
 import tempfile
+import time
 import unittest
 
 TOOLS = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"], "tools")
@@ -226,6 +227,14 @@ class Answers(Case):
         self.assertEqual(asked(known, lambda question: question.parse("")), {"a": "y", "b": 1.0})
 
 
+def runs(number):
+    """Whether a process exists and is no zombie."""
+    try:
+        return pathlib.Path(f"/proc/{number}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
 class Interface(unittest.TestCase):
     def test_the_command_line_names_all_steps_in_their_order(self):
         self.assertEqual(tuple(step.name for step in all_steps()), STEPS)
@@ -242,8 +251,10 @@ class Interface(unittest.TestCase):
                 child.wait_for("begun")
                 number = int(child.said().split()[1])
             self.assertFalse(child.is_running())
-            self.assertIn(pathlib.Path(f"/proc/{number}").exists() and
-                          pathlib.Path(f"/proc/{number}/stat").read_text().split()[2], (False, "Z"))
+            end = time.monotonic() + 20
+            while runs(number) and time.monotonic() < end:
+                time.sleep(0.02)
+            self.assertFalse(runs(number))
             ended = Child(["echo wrong; exit 3"], log, shell=True)
             with self.assertRaisesRegex(InputError, "(?s)ended with 3.*wrong"):
                 ended.wait_for("never", 10)
