@@ -15,7 +15,7 @@ FASTEST = 20.0  # m/s or rad/s, of a flange
 STRONGEST = (5000.0, 1000.0)  # N, N m
 GRAVITY = 9.81  # m/s^2
 FREE = 3.0  # m/s^2, by which the length of an acceleration at rest may differ from gravity's
-OLDEST = 0.5  # s
+LATE, OLDEST = 0.5, 5.0  # s, of a message by its sender's clock: worth a remark; a fault
 FROZEN = 500  # equal readings in a row, as palpated's inputs.frozen_after_ms
 
 
@@ -181,6 +181,8 @@ def judge(heard: dict[str, Heard]) -> tuple[list[str], list[str]]:
                 lines.append(f"{expected.channel:<20}{'absent':>10}  (optional)")
             continue
         lines.append(f"{expected.channel:<20}{one.rate:>10.0f}{1e3 * one.age:>10.1f}")
+        if LATE <= abs(one.age) < OLDEST:
+            lines.append(f"    its clock differs from this machine's by {one.age:.2g} s: synchronise them, or the sender is late")
         if one.rate < expected.least:
             faults.append(f"{expected.channel}: {one.rate:.0f} Hz; allowed: {expected.least:g} Hz or more")
         if not -OLDEST < one.age < OLDEST:

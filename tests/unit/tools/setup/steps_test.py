@@ -81,11 +81,18 @@ class Traffic(unittest.TestCase):
     def test_slow_old_and_doubled_senders(self):
         heard = traffic()
         heard["FT_WRENCH"].times = [10 * t for t in heard["FT_WRENCH"].times]
-        heard["IMU"].ages = [3.0] * len(heard["IMU"].ages)
+        heard["IMU"].ages = [30.0] * len(heard["IMU"].ages)
         heard["ROBOT_STATE"].messages[5].session = 2
         faults = " | ".join(judge(heard)[1])
-        for text in ("100 Hz; allowed: 200 Hz or more", "3 s behind", "2 senders"):
+        for text in ("100 Hz; allowed: 200 Hz or more", "30 s behind", "2 senders"):
             self.assertIn(text, faults)
+
+    def test_a_clock_that_differs_little_is_remarked(self):
+        heard = traffic()
+        heard["IMU"].ages = [-1.5] * len(heard["IMU"].ages)
+        lines, faults = judge(heard)
+        self.assertEqual(faults, [])
+        self.assertIn("by -1.5 s", "\n".join(lines))
 
     def test_an_inertial_unit_is_optional_and_other_channels_are_listed(self):
         heard = traffic(IMU=None)
