@@ -97,6 +97,32 @@ struct Robot::Dynamics {
       if (is_beyond(b, sensor)) load.push_back(b);
   }
 
+  /// Changes what the sensor carries: scales the links beyond S and fixes `load` to the first.
+  void add_load(double hand_mass_factor, const Load& added) {
+    for (dd::BodyNode* b : load) {
+      dd::Inertia inertia = b->getInertia();
+      inertia.setMass(hand_mass_factor * inertia.getMass());
+      inertia.setMoment(hand_mass_factor * inertia.getMoment());
+      b->setInertia(inertia);
+    }
+    if (added.mass == 0) return;
+    const dd::Inertia& own = sensor->getInertia();
+    const double mass = own.getMass() + added.mass;
+    const Eigen::Vector3d center =
+        (own.getMass() * own.getLocalCOM() + added.mass * added.center_of_mass) / mass;
+    const math::Vector6d& i = added.inertia;
+    Eigen::Matrix3d about_center;
+    about_center << i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5];
+    const auto moved = [&center](double of_mass, const Eigen::Vector3d& from) {
+      const Eigen::Vector3d d = from - center;
+      return Eigen::Matrix3d(of_mass *
+                             (d.squaredNorm() * Eigen::Matrix3d::Identity() - d * d.transpose()));
+    };
+    sensor->setInertia(dd::Inertia(mass, center,
+                                   own.getMoment() + moved(own.getMass(), own.getLocalCOM()) +
+                                       about_center + moved(added.mass, added.center_of_mass)));
+  }
+
   /// Whether `ancestor` is `body` itself or lies between it and the root.
   static bool is_beyond(const dd::BodyNode* body, const dd::BodyNode* ancestor) {
     while (body && body != ancestor) body = body->getParentBodyNode();
@@ -182,6 +208,7 @@ Robot::Robot(const RobotModel& model, const RobotOptions& options)
   d.world->setGravity(d.gravity);
   d.world->addSkeleton(d.skeleton);
   d.find_frames(options.frames);
+  d.add_load(options.hand_mass_factor, options.load);
   d.prepare_joints();
   d.follower = std::make_unique<VelocityFollower>(limits_of(d.arm), options.follower);
   d.hand = std::make_unique<HandDrive>(d.find_hand(), options.hand);

@@ -20,8 +20,18 @@ struct FrameNames {
   std::string imu = "imu";        // I
 };
 
+/// A rigid body on the measured side of the force-torque sensor, in addition to the URDF's links.
+struct Load {
+  double mass = 0;                                           // kg
+  Eigen::Vector3d center_of_mass = Eigen::Vector3d::Zero();  // m, in the link `sensor`
+  /// xx, xy, xz, yy, yz, zz about the centre of mass, axes of the link `sensor`, kg m^2.
+  math::Vector6d inertia = math::Vector6d::Zero();
+};
+
 struct RobotOptions {
   FrameNames frames;
+  double hand_mass_factor = 1;  // on mass and inertia of all links beyond S
+  Load load;
   FollowerOptions follower;
   HandOptions hand;
   double bandwidth = 15;                   // Hz, of the computed-torque controller

@@ -1,5 +1,6 @@
 #include "sim/scenes/scene.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,6 +22,28 @@ void read_bus(const config::Node& node, BusUrls& bus) {
   bus.pictures = node.text({"pictures", "", "rendered images"}, bus.pictures);
 }
 
+/// Refuses an inertia that no body of positive density has.
+robot::Load read_load(const config::Node& node) {
+  robot::Load load;
+  load.mass = node.number({"mass", "kg", "of the body"}, {1e-3, 50});
+  load.center_of_mass =
+      node.vector3({"center_of_mass", "m", "in the link `sensor`"}, {-1, 1}, load.center_of_mass);
+  const std::vector<double> inertia = node.numbers(
+      {"inertia", "kg m^2", "xx, xy, xz, yy, yz, zz about the centre of mass, axes of S"}, 6,
+      {-10, 10});
+  std::copy(inertia.begin(), inertia.end(), load.inertia.data());
+  const math::Vector6d& i = load.inertia;
+  Eigen::Matrix3d moment;
+  moment << i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5];
+  const Eigen::Vector3d principal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment, Eigen::EigenvaluesOnly).eigenvalues();
+  if (principal[0] <= 0 || principal[2] > 1.0001 * (principal[0] + principal[1]))
+    node.fail("inertia",
+              "has principal moments that no body has; allowed: all above 0, none above "
+              "the sum of the others");
+  return load;
+}
+
 void read_robot(const config::Node& node, ArmScene& arm) {
   arm.urdf = node.path({"urdf", "", "of arm and hand, expanded"});
   const std::vector<double> joints = node.numbers(
@@ -38,6 +61,11 @@ void read_robot(const config::Node& node, ArmScene& arm) {
   names.flange = frames.text({"flange", "", "link that is E"}, names.flange);
   names.sensor = frames.text({"sensor", "", "link that is S"}, names.sensor);
   names.imu = frames.text({"imu", "", "link that is I"}, names.imu);
+  arm.robot.hand_mass_factor = node.number(
+      {"hand_mass_factor", "", "on mass and inertia of all links beyond S"}, {0.05, 20}, 1);
+  if (node.has("load"))
+    arm.robot.load =
+        read_load(node.child({"load", "", "rigid body beyond S, in addition to the URDF's links"}));
 }
 
 std::vector<Fingertip> read_fingertips(const config::Node& node) {

@@ -45,6 +45,11 @@ class Channel {
 
   double period() const { return 1 / timing_.rate; }  // s
 
+  /// The time (us) that the message of a sample taken at `now_us` states.
+  std::int64_t stamp(std::int64_t now_us) const {
+    return now_us + std::lround(1e6 * timing_.stamp_delay);
+  }
+
  private:
   Timing timing_;
   math::Random random_;

@@ -5,12 +5,25 @@
 #include <string>
 
 namespace palpate::sensors {
+namespace {
+
+/// Two vectors of a link L in the axes of a sensor that is mounted in it with R_LS.
+math::Vector6d turned(const Eigen::Matrix3d& R_LS, const math::Vector6d& of_link) {
+  math::Vector6d of_sensor;
+  of_sensor << R_LS.transpose() * of_link.head<3>(), R_LS.transpose() * of_link.tail<3>();
+  return of_sensor;
+}
+
+}  // namespace
+
 SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const math::Pose& X_EG,
                          int joint_count)
     : force_torque_(table.force_torque.timing, math::Random(seed, "force_torque")),
       imu_(table.imu.timing, math::Random(seed, "imu")),
       robot_(table.robot_state.timing, math::Random(seed, "robot_state")),
       hand_(table.hand_state.timing, math::Random(seed, "hand_state")),
+      R_LS_(table.force_torque.mounting),
+      R_LI_(table.imu.mounting),
       disturbance_(table.force_torque.disturbance),
       force_(table.force_torque.force, force_torque_.period(), table.force_torque.bias.head<3>(),
              math::Random(seed, "force")),
@@ -40,14 +53,14 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
 
 math::Vector6d SensorSuite::disturbed_wrench(std::int64_t now_us, const Truth& truth) {
   if (!X_WS_first_) X_WS_first_ = truth.X_WS;
-  const Eigen::Matrix3d R_SW = truth.X_WS.linear().transpose();
+  const Eigen::Matrix3d R_LW = truth.X_WS.linear().transpose();
   // The reading is the force of the sensor against the cables.
   const math::Wrench cables{
-      disturbance_.cable_stiffness * R_SW * (truth.X_WS.translation() - X_WS_first_->translation()),
-      disturbance_.cable_torsion * R_SW *
+      disturbance_.cable_stiffness * R_LW * (truth.X_WS.translation() - X_WS_first_->translation()),
+      disturbance_.cable_torsion * R_LW *
           math::log_rotation(truth.X_WS.linear() * X_WS_first_->linear().transpose())};
   const double warm = 1 - std::exp(-1e-6 * static_cast<double>(now_us) / disturbance_.warm_up_time);
-  return truth.force_torque.wrench + cables.vector() + warm * disturbance_.warm_up;
+  return turned(R_LS_, truth.force_torque.wrench + cables.vector()) + warm * disturbance_.warm_up;
 }
 
 RobotReading SensorSuite::measure_robot(const Truth& truth) {
@@ -84,7 +97,7 @@ void SensorSuite::sample_biotacs(std::int64_t now_us,
     biotacs_[i].step(1e-6 * static_cast<double>(now_us - last_us_), touches[i]);
     if (!biotac_channels_[i].due(now_us)) continue;
     BiotacReading r = biotacs_[i].read();
-    r.time_us = now_us;
+    r.time_us = biotac_channels_[i].stamp(now_us);
     biotac_channels_[i].put(now_us, r);
   }
   last_us_ = now_us;
@@ -92,25 +105,26 @@ void SensorSuite::sample_biotacs(std::int64_t now_us,
 
 void SensorSuite::sample(std::int64_t now_us, const Truth& truth) {
   if (force_torque_.due(now_us)) {
-    ForceTorqueReading r{now_us, {}};
+    ForceTorqueReading r{force_torque_.stamp(now_us), {}};
     const math::Vector6d wrench = disturbed_wrench(now_us, truth);
     r.wrench << force_.measure(wrench.head<3>()), torque_.measure(wrench.tail<3>());
     force_torque_.put(now_us, r);
   }
   if (imu_.due(now_us)) {
-    InertialReading r{now_us, {}};
-    r.motion << acceleration_.measure(truth.imu.motion.head<3>()),
-        angular_velocity_.measure(truth.imu.motion.tail<3>());
+    InertialReading r{imu_.stamp(now_us), {}};
+    const math::Vector6d motion = turned(R_LI_, truth.imu.motion);
+    r.motion << acceleration_.measure(motion.head<3>()),
+        angular_velocity_.measure(motion.tail<3>());
     imu_.put(now_us, r);
   }
   if (robot_.due(now_us)) {
     RobotReading r = measure_robot(truth);
-    r.time_us = now_us;
+    r.time_us = robot_.stamp(now_us);
     robot_.put(now_us, std::move(r));
   }
   if (hand_.due(now_us)) {
     HandReading r = measure_hand(truth.hand);
-    r.time_us = now_us;
+    r.time_us = hand_.stamp(now_us);
     hand_.put(now_us, std::move(r));
   }
   sample_biotacs(now_us, truth.touches);

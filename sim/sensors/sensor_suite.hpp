@@ -9,7 +9,7 @@
 
 namespace palpate::sensors {
 
-/// Each reading carries the simulated time (us) of its sampling.
+/// Each reading carries the simulated time (us) of its sampling, plus the stamp's delay.
 struct ForceTorqueReading {
   std::int64_t time_us = 0;
   math::Vector6d wrench;  // N, N m: sensor on hand at the origin of S, in S
@@ -35,7 +35,8 @@ struct HandReading {
   Eigen::VectorXd q;             // rad
 };
 
-/// True values at one instant, without errors; the suite fills in the times.
+/// True values at one instant, without errors, in the links of the URDF; the suite fills in the
+/// times.
 struct Truth {
   ForceTorqueReading force_torque;
   InertialReading imu;
@@ -78,6 +79,7 @@ class SensorSuite {
   Channel<InertialReading> imu_;
   Channel<RobotReading> robot_;
   Channel<HandReading> hand_;
+  Eigen::Matrix3d R_LS_, R_LI_;  // mounting of force-torque sensor and inertial unit
   ForceTorqueDisturbance disturbance_;
   std::optional<math::Pose> X_WS_first_;
   Signal force_, torque_, acceleration_, angular_velocity_;

@@ -18,6 +18,8 @@ void read(const config::Node& node, Timing& timing) {
       node.number({"jitter", "s", "scale of a half-normal delay on top"}, {0, 1}, timing.jitter);
   timing.drop_out =
       node.number({"drop_out", "", "share of messages that are lost"}, {0, 1}, timing.drop_out);
+  timing.stamp_delay = node.number({"stamp_delay", "s", "from measurement to the message's stamp"},
+                                   {-1, 1}, timing.stamp_delay);
 }
 
 void read(const config::Node& node, const char* key, Faults& faults) {
@@ -40,6 +42,14 @@ void read(const config::Node& node, const char* key, math::Vector6d& vector) {
   const std::vector<double> values =
       node.numbers({key, "N, N m; m/s^2, rad/s", "added; of warm_up: in the end"}, 6);
   std::copy(values.begin(), values.end(), vector.data());
+}
+
+void read_mounting(const config::Node& node, Eigen::Matrix3d& mounting) {
+  mounting = math::exp_rotation(
+      math::kDegree *
+      node.vector3({"mounting_rotation_deg", "degrees",
+                    "rotation vector of the sensor as mounted, in its link of the URDF"},
+                   {-180, 180}, Eigen::Vector3d::Zero()));
 }
 
 void read(const config::Node& node, ForceTorqueDisturbance& disturbance) {
@@ -125,12 +135,14 @@ void read(const config::Node& node, SensorTable& table) {
   read(ft, "force", table.force_torque.force);
   read(ft, "torque", table.force_torque.torque);
   read(ft, "bias", table.force_torque.bias);
+  read_mounting(ft, table.force_torque.mounting);
   read(ft, table.force_torque.disturbance);
   const config::Node imu = node.child_or_empty({"imu", "", "IMU"});
   read(imu, table.imu.timing);
   read(imu, "acceleration", table.imu.acceleration);
   read(imu, "angular_velocity", table.imu.angular_velocity);
   read(imu, "bias", table.imu.bias);
+  read_mounting(imu, table.imu.mounting);
   const config::Node robot = node.child_or_empty({"robot_state", "", "ROBOT_STATE"});
   read(robot, table.robot_state.timing);
   read(robot, "position", table.robot_state.position);

@@ -8,10 +8,11 @@ namespace palpate::sensors {
 
 /// Sampling and arrival of samples.
 struct Timing {
-  double rate = 0;      // Hz
-  double delay = 0;     // s
-  double jitter = 0;    // s, scale of a half-normal additional delay
-  double drop_out = 0;  // probability that a sample is lost
+  double rate = 0;         // Hz
+  double delay = 0;        // s
+  double jitter = 0;       // s, scale of a half-normal additional delay
+  double drop_out = 0;     // probability that a sample is lost
+  double stamp_delay = 0;  // s, from sampling to the time stamp that the message carries
 };
 
 /// Errors of one kind of signal, the same for each of its axes, in the signal's unit.
@@ -64,11 +65,14 @@ struct SensorTable {
     Faults force, torque;                          // N, N m
     math::Vector6d bias = math::Vector6d::Zero();  // N, N m, in S
     ForceTorqueDisturbance disturbance;
+    /// R_LS of the sensor as mounted, L its link of the URDF; readings, bias and warm-up are in S.
+    Eigen::Matrix3d mounting = Eigen::Matrix3d::Identity();
   } force_torque;
   struct {
     Timing timing;
-    Faults acceleration, angular_velocity;         // m/s^2, rad/s
-    math::Vector6d bias = math::Vector6d::Zero();  // m/s^2, rad/s, in I
+    Faults acceleration, angular_velocity;                   // m/s^2, rad/s
+    math::Vector6d bias = math::Vector6d::Zero();            // m/s^2, rad/s, in I
+    Eigen::Matrix3d mounting = Eigen::Matrix3d::Identity();  // R_LI, as above
   } imu;
   struct {
     Timing timing;

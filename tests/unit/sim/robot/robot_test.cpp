@@ -113,6 +113,59 @@ TEST(Robot, SensorForceFollowsTheMotionOfTheHandsCentreOfMass) {
   EXPECT_GT(largest, 3);  // the motion did load the sensor
 }
 
+TEST(Robot, AChangedLoadIsFeltInMotion) {
+  // What the sensor feels beyond the scaled hand is the change of the load's momenta, whose
+  // differences are taken in W.
+  RobotOptions changed;
+  changed.hand_mass_factor = 0.6;
+  changed.load.mass = 1.7;
+  changed.load.center_of_mass = {0.03, -0.02, 0.09};
+  changed.load.inertia << 0.004, 0.0005, -0.0003, 0.003, 0.0004, 0.002;
+  Matrix3d about_center;
+  about_center << 0.004, 0.0005, -0.0003, 0.0005, 0.003, 0.0004, -0.0003, 0.0004, 0.002;
+  Robot plain = make_arm(), robot(load_model(kArmUrdf), changed);
+  plain.set_joints(ready_pose());
+  robot.set_joints(ready_pose());
+  struct Momenta {
+    Vector3d place, spin;
+  };
+  const auto momenta = [&] {
+    const math::Pose X_WS = robot.link_pose("sensor");
+    const Vector3d spin = X_WS.linear() * about_center * X_WS.linear().transpose() *
+                          robot.link_twist("sensor").angular;
+    return Momenta{X_WS * changed.load.center_of_mass, spin};
+  };
+  Momenta before = momenta(), now = before;
+  double largest = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const double t = i * kRobotDt;
+    const math::Twist twist{
+        Vector3d(0.2 * std::sin(4 * t), 0.3 * std::cos(5 * t), 0.2 * std::sin(3 * t)),
+        Vector3d(std::sin(6 * t), std::sin(5 * t), 1.5 * std::sin(7 * t))};
+    for (Robot* each : {&plain, &robot}) {
+      each->command_twist(twist);
+      each->step(kRobotDt);
+    }
+    const Momenta next = momenta();
+    if (i > 10) {
+      const math::Pose X_WS = robot.link_pose("sensor");
+      const math::Wrench of_hand = plain.sensor_wrench(), felt = robot.sensor_wrench();
+      const Vector3d a = (next.place - 2 * now.place + before.place) / (kRobotDt * kRobotDt);
+      const Vector3d force = changed.load.mass * (a + Vector3d(0, 0, kRobotGravity));
+      const Vector3d torque =
+          (next.spin - now.spin) / kRobotDt + (next.place - X_WS.translation()).cross(force);
+      const Vector3d added_force = felt.force - changed.hand_mass_factor * of_hand.force;
+      const Vector3d added_torque = felt.torque - changed.hand_mass_factor * of_hand.torque;
+      EXPECT_LT((X_WS.linear() * added_force - force).norm(), 0.1) << "at " << t << " s";
+      EXPECT_LT((X_WS.linear() * added_torque - torque).norm(), 0.012) << "at " << t << " s";
+      largest = std::max(largest, ((next.spin - now.spin) / kRobotDt).norm());
+    }
+    before = now;
+    now = next;
+  }
+  EXPECT_GT(largest, 0.03);  // N m: the inertia matters
+}
+
 TEST(Robot, SensorTorqueAboutTheLastAxisIsThatJointsTorque) {
   // Joint 7 drives link 7 (a thin cylinder on its axis) and everything carried by the sensor.
   Robot robot = make_arm();

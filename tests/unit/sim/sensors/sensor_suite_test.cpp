@@ -107,6 +107,40 @@ TEST(SensorSuite, WithoutFaultsReportsTheTruth) {
   EXPECT_TRUE(hand.X_ET[1].isApprox(grasp(), 1e-12));
 }
 
+TEST(SensorSuite, ATurnedSensorReadsInItsOwnAxes) {
+  // Mounted with a quarter turn about z: its x is the link's y, its y the link's -x.
+  const std::string scene =
+      "{force_torque: {mounting_rotation_deg: [0, 0, 90], bias: [0.5, 0, 0, 0, 0, 0.1],"
+      "  force: {step: 0, noise: 0}, torque: {step: 0, noise: 0}},"
+      " imu: {mounting_rotation_deg: [90, 0, 0], acceleration: {step: 0, noise: 0},"
+      "  angular_velocity: {step: 0, noise: 0}}}";
+  SensorSuite suite(table(scene), 1, grasp(), 7);
+  suite.sample(0, some_truth());
+  ForceTorqueReading ft;
+  ASSERT_TRUE(suite.take(10'000, ft));
+  const math::Vector6d wrench = (math::Vector6d() << -2 + 0.5, -1, 47, -0.3, -0.1, 0.12).finished();
+  EXPECT_LT((ft.wrench - wrench).norm(), 1e-12);
+  InertialReading imu;
+  ASSERT_TRUE(suite.take(100'000, imu));
+  const math::Vector6d motion = (math::Vector6d() << 0.1, -0.4, -9.7, 0.3, 0.1, -0.2).finished();
+  EXPECT_LT((imu.motion - motion).norm(), 1e-12);
+}
+
+TEST(SensorSuite, LateStampsAreThoseOfTheirSensorAlone) {
+  SensorSuite suite(table("{force_torque: {delay: 0.021, stamp_delay: 0.02}}"), 1, grasp(), 7);
+  suite.sample(5'000, some_truth());
+  ForceTorqueReading ft;
+  EXPECT_FALSE(suite.take(25'000, ft));  // it arrives after the time that it states
+  ASSERT_TRUE(suite.take(26'000, ft));
+  EXPECT_EQ(ft.time_us, 25'000);
+  RobotReading robot;
+  ASSERT_TRUE(suite.take(26'000, robot));
+  EXPECT_EQ(robot.time_us, 5'000);
+  EXPECT_THROW(table("{imu: {stamp_delay: 2}}"), config::Error);
+  EXPECT_THROW(table("{imu: {mounting_rotation_deg: [0, 0]}}"), config::Error);
+  EXPECT_THROW(table("{robot_state: {mounting_rotation_deg: [0, 0, 1]}}"), config::Error);
+}
+
 TEST(SensorSuite, KinematicsErrorShowsAtTheGrasp) {
   const std::string scene =
       kClean + ", kinematics_error: {position: [0.001, 0, 0], rpy_deg: [0, 0.5, 0]}}";
