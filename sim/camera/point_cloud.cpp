@@ -90,6 +90,25 @@ Eigen::Matrix3Xd back_project(const draw::DepthImage& depth, const draw::Intrins
   return points;
 }
 
+ColouredCloud coloured_cloud(const DepthFrame& frame, int stride) {
+  if (stride < 1) throw std::invalid_argument("point cloud: needs a stride of a pixel or more");
+  const draw::DepthImage& depth = frame.depth;
+  std::vector<Eigen::Vector2i> pixels;
+  for (int row = 0; row < depth.height; row += stride)
+    for (int column = 0; column < depth.width; column += stride)
+      if (depth.at(column, row) > 0) pixels.emplace_back(column, row);
+  ColouredCloud cloud{Eigen::Matrix3Xf(3, pixels.size()), {}};
+  cloud.rgb.reserve(3 * pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const int column = pixels[i].x(), row = pixels[i].y();
+    cloud.points.col(static_cast<Eigen::Index>(i)) =
+        back_project(frame.view.intrinsics, column, row, depth.at(column, row)).cast<float>();
+    const std::uint8_t* rgb = frame.colour.pixel(column, row);
+    cloud.rgb.insert(cloud.rgb.end(), rgb, rgb + 3);
+  }
+  return cloud;
+}
+
 Eigen::Matrix3Xd thin_by_voxels(const Eigen::Matrix3Xd& points, double voxel, int most) {
   if (!(voxel > 0) || most < 1)
     throw std::invalid_argument("point cloud: needs cubes with a side and room for a point");

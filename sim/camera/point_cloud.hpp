@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <vector>
 
 #include "sim/camera/depth_camera.hpp"
 
@@ -16,6 +18,16 @@ inline Eigen::Vector3d back_project(const draw::Intrinsics& k, double column, do
 /// mask selects every pixel. For points in W multiply by X_WC.
 Eigen::Matrix3Xd back_project(const draw::DepthImage& depth, const draw::Intrinsics& intrinsics,
                               const Mask& mask = {});
+
+/// Points as a depth camera sees them.
+struct ColouredCloud {
+  Eigen::Matrix3Xf points;        // m
+  std::vector<std::uint8_t> rgb;  // three bytes a point
+};
+
+/// Points in C, with their colours, of the pixels that have depth, of every `stride`-th column and
+/// row, row by row. Throws std::invalid_argument for a stride below 1.
+ColouredCloud coloured_cloud(const DepthFrame& frame, int stride);
 
 /// Thins a cloud with a voxel grid of side `voxel` (m): keeps in each voxel the point nearest to
 /// the mean of its points. Points are kept as measured, since the mean of points on a curved

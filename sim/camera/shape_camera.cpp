@@ -1,5 +1,8 @@
 #include "sim/camera/shape_camera.hpp"
 
+#include <Eigen/Geometry>
+#include <utility>
+
 namespace palpate::camera {
 namespace {
 
@@ -56,18 +59,28 @@ ShapeCamera::ShapeCamera(const ShapeCameraOptions& options)
 ShapeReading ShapeCamera::look(const std::vector<Body>& bodies, math::Random random, int most) {
   DepthFrame frame = camera_.take(options_.X_WC, bodies);
   Mask mask;
-  if (options_.segmentation == Segmentation::kTruth) mask = camera_.object_mask(frame, bodies);
+  if (options_.has_shape && options_.segmentation == Segmentation::kTruth)
+    mask = camera_.object_mask(frame, bodies);
   frame.depth = noise_.apply(frame.depth, random);
+  ShapeReading reading;
+  if (options_.has_shape) add_shape(frame, std::move(mask), most, reading);
+  if (options_.cloud_stride > 0) {
+    reading.cloud_C = coloured_cloud(frame, options_.cloud_stride);
+    const Eigen::Affine3f error(options_.calibration_error.cast<float>());
+    reading.cloud_C.points = error * reading.cloud_C.points;
+  }
+  return reading;
+}
+
+void ShapeCamera::add_shape(const DepthFrame& frame, Mask mask, int most,
+                            ShapeReading& reading) const {
   if (options_.segmentation == Segmentation::kColour) mask = segment(frame, options_.filter);
   mask = without_margin(mask, frame.depth.width, options_.margin);
-
   const Eigen::Matrix3Xd seen_C = back_project(frame.depth, camera_.intrinsics(), mask);
-  ShapeReading reading;
   const math::Pose X_WC = options_.X_WC * options_.calibration_error;
   const Eigen::Matrix3Xd seen_W = (X_WC.linear() * seen_C).colwise() + X_WC.translation();
   reading.points_W = thin_by_voxels(seen_W, options_.voxel, most);
   if (seen_C.cols() > 0) reading.deviation = noise_.deviation(seen_C.row(2).mean());
-  return reading;
 }
 
 }  // namespace palpate::camera

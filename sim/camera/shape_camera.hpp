@@ -35,28 +35,34 @@ struct ShapeCameraOptions {
   math::Pose calibration_error = math::Pose::Identity();
   DepthNoiseOptions noise;
   Segmentation segmentation = Segmentation::kColour;
-  ObjectFilter filter;  // for kColour
-  int margin = 3;       // px, removed along the object's outline
-  double voxel = 0.01;  // m, smallest side of the voxels that give one point each
+  ObjectFilter filter;    // for kColour
+  int margin = 3;         // px, removed along the object's outline
+  double voxel = 0.01;    // m, smallest side of the voxels that give one point each
+  bool has_shape = true;  // whether readings contain the segmented object
+  int cloud_stride = 0;   // px, between the pixels of the cloud of the whole view; 0: no cloud
 };
 
-/// Points on the visible surface of the object.
+/// Points on the visible surface of the object, and of the whole view.
 struct ShapeReading {
   Eigen::Matrix3Xd points_W;  // m
   double deviation = 0;       // m, standard deviation of each coordinate
+  ColouredCloud cloud_C;      // moved by the calibration error: a receiver that takes X_WC for the
+                              // camera's pose errs as one does that believes X_WC error
 };
 
-/// A depth camera with the usual processing: noisy depth image, segmentation of the object, point
-/// cloud, thinning.
+/// A depth camera: noisy depth image, cloud of all that it shows; and the usual processing
+/// by what only the simulator knows, the place or the pixels of the object: segmentation, thinning.
 class ShapeCamera {
  public:
   /// Throws as DepthCamera and DepthNoise do.
   explicit ShapeCamera(const ShapeCameraOptions& options);
 
-  /// At most `most` points. All randomness comes from `random`.
+  /// The shape has at most `most` points. All randomness comes from `random`.
   ShapeReading look(const std::vector<Body>& bodies, math::Random random, int most);
 
  private:
+  void add_shape(const DepthFrame& frame, Mask mask, int most, ShapeReading& reading) const;
+
   ShapeCameraOptions options_;
   DepthCamera camera_;
   DepthNoise noise_;

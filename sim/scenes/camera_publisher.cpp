@@ -5,6 +5,9 @@
 #include <optional>
 #include <palpate/channels.hpp>
 #include <stdexcept>
+#include <utility>
+
+#include "sim/camera/point_cloud_message.hpp"
 
 namespace palpate::scenes {
 namespace {
@@ -71,6 +74,12 @@ std::optional<camera::Body> rig(const object::PlantOptions& plant) {
 
 constexpr int kMostPoints =
     sizeof(shape_observation_t::points) / sizeof(shape_observation_t::points[0]);
+constexpr int kDefaultStride = 4;  // px: 160 x 120 points, 307 kB
+constexpr const char* kCloudFrame = "camera";
+
+config::Node cloud_section(const config::Node& node) {
+  return node.child_or_empty({"cloud", "", "of all that the camera sees, drake/lcmt_point_cloud"});
+}
 
 }  // namespace
 
@@ -80,10 +89,18 @@ camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& sc
   options.X_WC = read_pose(node, scene.X_WO * Eigen::Vector3d(0.5 * (lower + upper)));
   options.noise = scene.sensors.camera.noise;
   options.calibration_error = scene.sensors.camera.calibration_error;
-  if (node.choice(
-          {"segmentation", "",
-           "how the object is distinguished from the rest: by colour and box, or by the truth"},
-          {"colour", "truth"}, "colour") == "truth")
+  // Clouds cost time: a scene that is scored by the truth sends them on request alone.
+  options.has_shape = node.flag(
+      {"truth_segmentation", "",
+       "whether the simulator, which knows the object, publishes its points in SHAPE_OBSERVATION; "
+       "for scoring: in place of palpate-see, and of clouds unless `cloud` is given"},
+      false);
+  options.cloud_stride =
+      cloud_section(node).integer({"stride", "pixels", "between the points of a cloud"}, {1, 16},
+                                  options.has_shape && !node.has("cloud") ? 0 : kDefaultStride);
+  if (node.choice({"segmentation", "",
+                   "with truth_segmentation: by colour within the box, or by the rendered body"},
+                  {"colour", "truth"}, "colour") == "truth")
     options.segmentation = camera::Segmentation::kTruth;
 
   camera::ObjectFilter& filter = options.filter;
@@ -103,6 +120,16 @@ camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& sc
   options.voxel =
       node.number({"voxel", "m", "of which one point is published"}, {0.001, 1}, options.voxel);
   return options;
+}
+
+std::string read_cloud_channel(const config::Node& node) {
+  const config::Node cloud = cloud_section(node);
+  const std::string channel = cloud.text({"channel", "", "of the clouds"}, "POINT_CLOUD");
+  const bool is_valid =
+      !channel.empty() && channel.size() <= bus::kLongestChannel &&
+      channel.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == std::string::npos;
+  if (!is_valid) cloud.fail("channel", channel + "; allowed: 1 to 63 of A to Z, 0 to 9 and _");
+  return channel;
 }
 
 std::vector<Occlusion> read_occlusions(const config::Node& node) {
@@ -163,7 +190,7 @@ std::vector<camera::Body> CameraScenery::now(const std::vector<Arm>& arms,
   return bodies;
 }
 
-CameraPublisher::CameraPublisher(bus::MessageBus& control, const Scene& scene,
+CameraPublisher::CameraPublisher(bus::MessageBus& control, CloudSink clouds, const Scene& scene,
                                  const std::vector<Arm>& arms, std::int64_t session,
                                  std::int64_t start_utime)
     : channel_(scene.sensors.camera.timing, math::Random(scene.seed, "camera")),
@@ -173,10 +200,25 @@ CameraPublisher::CameraPublisher(bus::MessageBus& control, const Scene& scene,
       scenery_(scene, arms),
       camera_(*scene.camera, kMostPoints),
       start_utime_(start_utime),
+      has_shape_(scene.camera->has_shape),
+      has_clouds_(scene.camera->cloud_stride > 0 && clouds != nullptr),
+      cloud_channel_(scene.cloud_channel),
+      clouds_(std::move(clouds)),
       publisher_(control, channel::kShapeObservation, session) {}
 
 void CameraPublisher::collect(bool wait) {
-  if (auto shape = camera_.collect(wait)) channel_.put(drawn_us_, {drawn_us_, std::move(*shape)});
+  if (auto shape = camera_.collect(wait))
+    channel_.put(drawn_us_, {channel_.stamp(drawn_us_), std::move(*shape)});
+}
+
+void CameraPublisher::publish(const Reading& reading, std::int64_t now_us) {
+  const std::int64_t utime = start_utime_ + reading.time_us;
+  if (has_clouds_)
+    clouds_(cloud_channel_, camera::encode_point_cloud(reading.shape.cloud_C, kCloudFrame, utime),
+            start_utime_ + now_us);
+  if (!has_shape_) return;
+  auto message = make_observation(reading.shape.points_W, reading.shape.deviation);
+  publisher_.publish(message, utime);
 }
 
 void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
@@ -197,10 +239,7 @@ void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
   // No reading arrives before its delay has passed: waiting is needed only then.
   collect(!may_lag_ && now_us >= drawn_us_ + delay_us_);
   Reading reading;
-  while (channel_.take(now_us, reading)) {
-    auto message = make_observation(reading.shape.points_W, reading.shape.deviation);
-    publisher_.publish(message, start_utime_ + reading.time_us);
-  }
+  while (channel_.take(now_us, reading)) publish(reading, now_us);
 }
 
 }  // namespace palpate::scenes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <palpate/shape_observation_t.hpp>
 #include <string>
 #include <vector>
@@ -18,10 +19,13 @@
 namespace palpate::scenes {
 
 /// A scene's key "camera": its pose (`pose` X_WC, or `eye` and `target` in W; default target is the
-/// centre of the object at rest), how the object is segmented (`segmentation`: colour or truth;
-/// `box` in O; `colour` of the object; `tolerance`; `margin`) and the spacing of its points
-/// (`voxel`). Requires the scene's object and sensors to be read already. Throws config::Error.
+/// centre of the object at rest), the clouds (`cloud`: `channel`, `stride`), the `colour` of the
+/// object, and with `truth_segmentation` how the simulator segments it (`segmentation`: colour or
+/// truth; `box` in O; `tolerance`; `margin`) and the spacing of its points (`voxel`). Requires the
+/// scene's object and sensors to be read already. Throws config::Error.
 camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& scene);
+/// `cloud.channel` of the same key.
+std::string read_cloud_channel(const config::Node& node);
 
 /// `occlusions` of the same key: the camera observes and sends nothing from `at` on for `duration`
 /// s.
@@ -53,15 +57,21 @@ class CameraScenery {
   draw::Colour object_colour_;
 };
 
-/// A scene's camera: publishes SHAPE_OBSERVATION on the control bus, at the camera's rate, with
-/// delay and losses of the sensor table; nothing during an occlusion. Images are rendered in a
-/// separate thread. By default the simulation waits for an image when it is due to arrive, so that
-/// the same scene gives bit-identical messages; a real-time simulation lets the camera lag.
+/// Takes an encoded drake/lcmt_point_cloud and the time (us) at which it is sent.
+using CloudSink = std::function<void(const std::string& channel,
+                                     const std::vector<std::uint8_t>& message, std::int64_t utime)>;
+
+/// A scene's camera: sends clouds of all that it shows, in C, and with `truth_segmentation`
+/// publishes SHAPE_OBSERVATION on the control bus, at the camera's rate, with delay and losses of
+/// the sensor table; nothing during an occlusion. Images are rendered in a separate thread. By
+/// default the simulation waits for an image when it is due to arrive, so that the same scene gives
+/// bit-identical messages; a real-time simulation lets the camera lag.
 class CameraPublisher {
  public:
-  /// Precondition: the scene has a camera. Throws std::runtime_error if rendering is unavailable.
-  CameraPublisher(bus::MessageBus& control, const Scene& scene, const std::vector<Arm>& arms,
-                  std::int64_t session, std::int64_t start_utime);
+  /// Precondition: the scene has a camera. Without a sink no clouds are sent. Throws
+  /// std::runtime_error if rendering is unavailable.
+  CameraPublisher(bus::MessageBus& control, CloudSink clouds, const Scene& scene,
+                  const std::vector<Arm>& arms, std::int64_t session, std::int64_t start_utime);
   void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
   /// Disables waiting: an image that is not ready is sent late, and one due while another is
@@ -76,10 +86,11 @@ class CameraPublisher {
 
  private:
   struct Reading {
-    std::int64_t time_us = 0;  // of the image
+    std::int64_t time_us = 0;  // of the image, as the messages state it
     camera::ShapeReading shape;
   };
   void collect(bool wait);
+  void publish(const Reading& reading, std::int64_t now_us);
 
   sensors::Channel<Reading> channel_;
   std::int64_t delay_us_;
@@ -92,6 +103,9 @@ class CameraPublisher {
   std::int64_t left_out_ = 0;
   bool may_lag_ = false;
   std::int64_t start_utime_;
+  bool has_shape_, has_clouds_;
+  std::string cloud_channel_;
+  CloudSink clouds_;
   bus::StampedPublisher<shape_observation_t> publisher_;
 };
 

@@ -9,7 +9,9 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <lcm/lcm-cpp.hpp>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -48,18 +50,33 @@ struct Options {
 /// Where the messages of a run go to.
 class Buses {
  public:
-  Buses(const Options& options, const palpate::scenes::BusUrls& urls) {
+  Buses(const Options& options, const palpate::scenes::Scene& scene) {
+    const palpate::scenes::BusUrls& urls = scene.bus;
+    const bool has_clouds = scene.camera && scene.camera->cloud_stride > 0;
     if (!options.record.empty()) {
-      recorder_.emplace(options.record);
+      recorder_.emplace(options.record, has_clouds);
       return;
     }
     lock_.emplace(urls.control, "palpate-sim");
     control_ = bus::make_lcm_bus(urls.control);
     housekeeping_ = bus::make_lcm_bus(urls.housekeeping);
+    if (!has_clouds) return;
+    clouds_ = std::make_unique<lcm::LCM>(urls.clouds);
+    if (!clouds_->good())
+      throw std::runtime_error("bus.clouds: liblcm cannot open " + urls.clouds +
+                               "; its message is above");
   }
 
   bus::MessageBus& control() { return recorder_ ? recorder_->control() : *control_; }
   bus::MessageBus& housekeeping() { return recorder_ ? recorder_->housekeeping() : *housekeeping_; }
+  palpate::scenes::CloudSink clouds() {
+    return [this](const std::string& channel, const std::vector<std::uint8_t>& message,
+                  std::int64_t utime) {
+      if (recorder_) return recorder_->write_cloud(channel, message, utime);
+      // A cloud that is lost is as one that the network loses.
+      clouds_->publish(channel, message.data(), static_cast<unsigned>(message.size()));
+    };
+  }
   /// nullptr: messages go to the network.
   RunRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
 
@@ -67,6 +84,7 @@ class Buses {
   std::optional<RunRecorder> recorder_;
   std::optional<bus::InstanceLock> lock_;
   std::unique_ptr<bus::MessageBus> control_, housekeeping_;
+  std::unique_ptr<lcm::LCM> clouds_;  // sends alone: what receives through liblcm can be crashed
 };
 
 nlohmann::json run_real_time(Simulation& simulation, bus::MessageBus& control, std::int64_t ticks) {
@@ -139,9 +157,9 @@ int run(const Options& options) {
   const palpate::scenes::Scene scene = palpate::scenes::read_scene(node);
   if (!options.record.empty() && !scene.motion)
     throw palpate::config::Error(options.scene + ": --record needs a scene with a motion");
-  Buses buses(options, scene.bus);
+  Buses buses(options, scene);
   const palpate::scenes::Origin origin{bus::random_session(), 0};
-  Simulation simulation(node, buses.control(), buses.housekeeping(), origin);
+  Simulation simulation(node, buses.control(), buses.housekeeping(), origin, buses.clouds());
   LockStep lock_step(buses.control(), origin.session);
   buses.control().start_without_thread();  // the housekeeping bus is only written
   spdlog::info("palpate-sim {}: {} nodes, {}", PALPATE_VERSION,
@@ -217,7 +235,8 @@ int main(int argc, char** argv) {
                "as fast as it goes, tick by tick with a daemon that runs with --stepped");
   app.add_option("--record", options.record,
                  "without a daemon, as fast as it goes: the messages go to sensors.log and "
-                 "truth.log in this folder, for palpate-replay; the scene must have a motion")
+                 "truth.log (and clouds.log) in this folder, for palpate-replay; the scene must "
+                 "have a motion")
       ->excludes("--fast");
   app.add_option("--duration", options.duration,
                  "simulated seconds; without it until a signal, or the end of the motion with "

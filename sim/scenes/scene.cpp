@@ -20,6 +20,7 @@ void read_bus(const config::Node& node, BusUrls& bus) {
   bus.control = node.text({"control", "", "sensors, robot and commands"}, bus.control);
   bus.housekeeping = node.text({"housekeeping", "", "truth"}, bus.housekeeping);
   bus.pictures = node.text({"pictures", "", "rendered images"}, bus.pictures);
+  bus.clouds = node.text({"clouds", "", "clouds of a depth camera"}, bus.clouds);
 }
 
 /// Refuses an inertia that no body of positive density has.
@@ -230,10 +231,11 @@ Scene read_scene(const config::Node& node) {
   scene.sensors = sensors::read_sensors(
       node.child_or_empty({"sensors", "", "errors of its own; absent: those of the first"}));
   if (node.has("camera")) {
-    scene.camera = read_camera(
-        node.child({"camera", "", "depth camera that publishes SHAPE_OBSERVATION; absent: none"}),
-        scene);
-    scene.occlusions = read_occlusions(node.child("camera"));
+    const config::Node camera =
+        node.child({"camera", "", "depth camera that publishes clouds; absent: none"});
+    scene.camera = read_camera(camera, scene);
+    scene.cloud_channel = read_cloud_channel(camera);
+    scene.occlusions = read_occlusions(camera);
   }
   scene.cuts = read_cuts(node);
   if (!scene.cuts.empty() && scene.soft_box)

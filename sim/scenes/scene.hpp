@@ -15,11 +15,12 @@
 
 namespace palpate::scenes {
 
-/// LCM URLs of the three buses.
+/// LCM URLs of the buses.
 struct BusUrls {
   std::string control = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping = "udpm://239.255.76.68:7668?ttl=0";
   std::string pictures = "udpm://239.255.76.69:7669?ttl=0";
+  std::string clouds = "udpm://239.255.76.70:7670?ttl=0";  // large messages, apart from the others
 };
 
 /// Occlusion of the camera for a while, s.
@@ -54,10 +55,11 @@ struct Scene : ArmScene {
   std::vector<Slip> slips;
 
   std::optional<ArmScene> second_arm;
-  std::optional<camera::ShapeCameraOptions> camera;  // empty: no SHAPE_OBSERVATION
-  std::vector<Occlusion> occlusions;                 // in chronological order
-  std::vector<Cut> cuts;                             // in chronological order
-  std::optional<MarkerOptions> markers;              // instead of a camera
+  std::optional<camera::ShapeCameraOptions> camera;  // empty: neither clouds nor observations
+  std::string cloud_channel = "POINT_CLOUD";
+  std::vector<Occlusion> occlusions;     // in chronological order
+  std::vector<Cut> cuts;                 // in chronological order
+  std::optional<MarkerOptions> markers;  // instead of a camera
 };
 
 /// Throws config::Error, also for unknown keys.

@@ -1,6 +1,7 @@
 #include "sim/scenes/simulation.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include "sim/scenes/soft_box_plant.hpp"
 
@@ -65,16 +66,17 @@ std::unique_ptr<object::Plant> make_plant(const config::Node& node, const Scene&
 }  // namespace
 
 Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
-                       bus::MessageBus& housekeeping, const Origin& origin)
+                       bus::MessageBus& housekeeping, const Origin& origin, CloudSink clouds)
     : scene_(read_scene(node)),
       origin_(origin),
       arms_(make_arms(node, scene_, control, origin)),
       plant_(make_plant(node, scene_, arms_)),
       pokes_(scene_.pokes),
       slips_(scene_.slips),
-      camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, arms_,
-                                                                origin.session, origin.start_utime)
-                            : nullptr),
+      camera_(scene_.camera
+                  ? std::make_unique<CameraPublisher>(control, std::move(clouds), scene_, arms_,
+                                                      origin.session, origin.start_utime)
+                  : nullptr),
       markers_(scene_.markers ? std::make_unique<MarkerPublisher>(
                                     control, scene_, plant(), origin.session, origin.start_utime)
                               : nullptr),

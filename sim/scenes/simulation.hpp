@@ -36,9 +36,10 @@ class Simulation {
   static constexpr double kPeriod = 1e-6 * kPeriodUs;  // s
 
   /// Builds the scene and lets the object settle under gravity. Subscribes; the caller starts the
-  /// buses afterwards. Throws config::Error (also if the robot's file cannot be used).
+  /// buses afterwards. `clouds` takes those of the scene's camera; without it none are sent. Throws
+  /// config::Error (also if the robot's file cannot be used).
   Simulation(const config::Node& scene, bus::MessageBus& control, bus::MessageBus& housekeeping,
-             const Origin& origin = {});
+             const Origin& origin = {}, CloudSink clouds = nullptr);
 
   /// Sets utime of tick 0, us: the wall clock once the object has settled. Call before step().
   void start_clock(std::int64_t start_utime) {

@@ -41,7 +41,7 @@ class Case:
 FILTER = "estimation.component=pose_wrench_filter"
 STEER = ("control.linear_speed=0.08", "control.dead_band_mm=0.1", "control.dead_band_deg=0.1")
 PROGRAM = (*STEER, "control.gain=3", "control.law=quadratic_program", FILTER)
-EYE = "camera={eye: [1.1, -0.7, 0.8], occlusions: [{at: 2.5, duration: 0.7}]}"
+EYE = "camera={truth_segmentation: true, eye: [1.1, -0.7, 0.8], occlusions: [{at: 2.5, duration: 0.7}]}"
 KINECT = "sensors.camera={rate: 30, depth: {noise: 1, disparity_step: 0.125, edge_loss: 0.5}}"
 CAMERA = "sensors.camera={rate: 30, depth: {noise: 0.15, disparity_step: 0.02}}"
 MARKERS = ("markers.noise=0.001", "markers.delay=0.06", "markers.drop_out=0.1")

@@ -48,7 +48,9 @@ applications:
   /// Two levels of vision on a short motion.
   static std::string levels(double noise) {
     const auto level = [](const std::string& name, double share) {
-      return name + ":\n  about: vision\n  scene:\n    - \"camera={eye: [1.1, -0.7, 0.8]}\"\n" +
+      return name +
+             ":\n  about: vision\n  scene:\n    - \"camera={truth_segmentation: true, eye: [1.1, "
+             "-0.7, 0.8]}\"\n" +
              "    - \"sensors.camera={rate: 30, depth: {noise: " + std::to_string(share) + "}}\"\n";
     };
     return level("clear", noise) + level("dim", 1);

@@ -60,6 +60,46 @@ TEST(ShapeCamera, PointsLieOnTheObjectWithinTheirDeviation) {
   EXPECT_LT(far, 0.01 * count);
 }
 
+TEST(ShapeCamera, CloudsHoldAllThatIsSeenWithItsColour) {
+  ShapeCameraOptions o = shape_camera_options();
+  o.cloud_stride = 4;
+  o.noise.scale = 0;
+  o.noise.disparity_step = 0;
+  ShapeCamera both(o);
+  const ShapeReading reading = both.look(bar_and_hand(), math::Random(1), 4000);
+  o.has_shape = false;
+  const ColouredCloud cloud = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000).cloud_C;
+  EXPECT_EQ(cloud.points, reading.cloud_C.points);
+  EXPECT_EQ(cloud.rgb, reading.cloud_C.rgb);
+  ASSERT_EQ(cloud.rgb.size(), 3u * cloud.points.cols());
+  EXPECT_GT(cloud.points.cols(), reading.points_W.cols());
+
+  // Each point lies on the ray of a fourth pixel, at the depth of the image without noise.
+  DepthCamera camera;
+  const DepthFrame frame = camera.take(o.X_WC, bar_and_hand());
+  const draw::Intrinsics k = camera.intrinsics();
+  int amber = 0, others = 0;
+  for (Eigen::Index i = 0; i < cloud.points.cols(); ++i) {
+    const Eigen::Vector3d p = cloud.points.col(i).cast<double>();
+    const double column = k.fx * p.x() / p.z() + k.cx, row = k.fy * p.y() / p.z() + k.cy;
+    ASSERT_NEAR(std::remainder(column, 4), 0, 1e-3);
+    ASSERT_NEAR(std::remainder(row, 4), 0, 1e-3);
+    const int c = static_cast<int>(std::lround(column)), r = static_cast<int>(std::lround(row));
+    EXPECT_FLOAT_EQ(static_cast<float>(p.z()), frame.depth.at(c, r));
+    const std::uint8_t* rgb = &cloud.rgb[3 * i];
+    EXPECT_TRUE(std::equal(rgb, rgb + 3, frame.colour.pixel(c, r)));
+    (rgb[0] > 1.5 * rgb[2] ? amber : others) += 1;
+  }
+  EXPECT_GT(amber, 100);
+  EXPECT_GT(others, 10);
+  EXPECT_THROW(coloured_cloud(frame, 0), std::invalid_argument);
+
+  // A camera that is believed to be 5 cm to its right sees everything 5 cm to the right.
+  o.calibration_error.translation() = Eigen::Vector3d(0.05, 0, 0);
+  const ColouredCloud moved = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000).cloud_C;
+  EXPECT_LT((moved.points.colwise() - Eigen::Vector3f(0.05F, 0, 0) - cloud.points).norm(), 1e-4F);
+}
+
 TEST(ShapeCamera, TruthAndColourSegmentationAgree) {
   ShapeCameraOptions o = shape_camera_options();
   const ShapeReading by_colour = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000);

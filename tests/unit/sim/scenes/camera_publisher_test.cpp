@@ -18,7 +18,7 @@ namespace {
 const std::string kEye = "camera.eye=[1.1, -0.9, 0.8]";
 
 std::vector<std::string> with_camera(std::vector<std::string> overrides = {}) {
-  overrides.push_back(kEye);
+  overrides.insert(overrides.end(), {kEye, "camera.truth_segmentation=true"});
   return coarse(std::move(overrides));
 }
 
@@ -167,6 +167,64 @@ TEST(CameraPublisher, TruthSegmentationCanBeChosen) {
   EXPECT_GT(found[0].count, 100);
 }
 
+/// Of the message: drake/lcmt_point_cloud after fingerprint, utime and the frame's name "camera".
+std::int64_t big_endian(const std::vector<std::uint8_t>& data, std::size_t at) {
+  std::uint64_t value = 0;
+  for (std::size_t i = at; i < at + 8; ++i) value = value << 8 | data.at(i);
+  return static_cast<std::int64_t>(value);
+}
+constexpr std::size_t kUtime = 8, kWidth = 8 + 8 + 4 + 7;
+
+TEST(CameraPublisher, SendsCloudsInPlaceOfObservations) {
+  Stage stage(kSixPoses, coarse({kEye, "sensors.camera={rate: 10, delay: 0.06, jitter: 0}",
+                                 "camera.cloud={channel: SEEN, stride: 8}"}));
+  stage.run(0.5);
+  EXPECT_TRUE(stage.sent<shape_observation_t>("SHAPE_OBSERVATION").empty());
+  ASSERT_EQ(stage.clouds.size(), 5u);  // exposures at 1 ms (the first tick), 100, .. 400 ms
+  for (std::size_t i = 0; i < stage.clouds.size(); ++i) {
+    const bus::Published& cloud = stage.clouds[i];
+    EXPECT_EQ(cloud.channel, "SEEN");
+    EXPECT_EQ(cloud.time_ns - big_endian(cloud.data, kUtime), 60'000);
+    const std::int64_t points = big_endian(cloud.data, kWidth);
+    EXPECT_GT(points, 100);
+    EXPECT_LE(points, 80 * 60);
+    EXPECT_LT(cloud.data.size(), 16u * points + 256);
+  }
+}
+
+TEST(CameraPublisher, CloudsOfFewerPixelsArePartOfThoseOfMoreAndOneRunEqualsAnother) {
+  const auto sizes = [](const char* stride) {
+    Stage stage(kSixPoses, coarse({kEye, "sensors.camera.delay=0", stride}));
+    stage.run(0.1);
+    return stage.clouds.at(0).data;
+  };
+  const auto fine = sizes("camera.cloud.stride=4"), again = sizes("camera.cloud.stride=4"),
+             coarser = sizes("camera.cloud.stride=8");
+  EXPECT_EQ(fine, again);
+  const double ratio = double(big_endian(fine, kWidth)) / double(big_endian(coarser, kWidth));
+  EXPECT_NEAR(ratio, 4, 0.4);
+}
+
+TEST(CameraPublisher, LateStampsAreThoseOfClouds) {
+  Stage stage(kSixPoses, coarse({kEye,
+                                 "sensors.camera={jitter: 0, delay: 0.05, "
+                                 "stamp_delay: 0.02, rate: 10}"}));
+  stage.run(0.3);
+  ASSERT_GT(stage.clouds.size(), 1u);
+  for (const bus::Published& cloud : stage.clouds)
+    EXPECT_EQ(cloud.time_ns - big_endian(cloud.data, kUtime), 30'000);
+}
+
+TEST(CameraPublisher, ScoredScenesSendCloudsOnRequest) {
+  Stage scored(kSixPoses, with_camera());
+  scored.run(0.15);
+  EXPECT_TRUE(scored.clouds.empty());
+  Stage both(kSixPoses, with_camera({"camera.cloud.stride=8"}));
+  both.run(0.15);
+  EXPECT_FALSE(both.clouds.empty());
+  EXPECT_FALSE(both.sent<shape_observation_t>("SHAPE_OBSERVATION").empty());
+}
+
 TEST(CameraPublisher, WrongKeysAreRefused) {
   for (const char* wrong :
        {"camera.eyes=3", "camera.segmentation=magic", "camera.voxel=0", "camera.margin=-1",
@@ -174,7 +232,8 @@ TEST(CameraPublisher, WrongKeysAreRefused) {
         "camera.occlusions=[{at: -1, duration: 1}]", "camera.occlusions=[{at: 1, duration: 0}]",
         "camera.occlusions=[{at: 1, duration: 2}, {at: 2, duration: 1}]",
         "camera.pose.position=[0, 0, 1]", "sensors.camera.rate=0",
-        "sensors.camera.depth.edge_loss=2", "sensors.camera.depth.farthest=0.2"}) {
+        "sensors.camera.depth.edge_loss=2", "sensors.camera.depth.farthest=0.2",
+        "camera.cloud.stride=0", "camera.cloud.channel=cloud", "camera.truth_segmentation=3"}) {
     EXPECT_THROW(read_scene(config::Node::load_file(kSixPoses, {kEye, wrong})), config::Error)
         << wrong;
   }

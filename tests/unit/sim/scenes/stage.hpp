@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -24,7 +25,11 @@ inline std::vector<std::string> coarse(std::vector<std::string> overrides = {}) 
 /// A simulation on in-memory buses whose messages are recorded.
 struct Stage {
   explicit Stage(const std::string& scene, const std::vector<std::string>& overrides = coarse())
-      : simulation(config::Node::load_file(scene, overrides), *control, *housekeeping) {
+      : simulation(config::Node::load_file(scene, overrides), *control, *housekeeping, {},
+                   [this](const std::string& channel, const std::vector<std::uint8_t>& message,
+                          std::int64_t utime) {
+                     clouds.push_back({channel, message, utime});
+                   }) {
     bus::record(*hub, &messages);
   }
   ~Stage() { bus::record(*hub, nullptr); }
@@ -46,6 +51,7 @@ struct Stage {
   }
 
   std::vector<bus::Published> messages;
+  std::vector<bus::Published> clouds;  // time_ns: us, when each was sent
   std::shared_ptr<bus::MemoryHub> hub = bus::make_memory_hub();
   std::unique_ptr<bus::MessageBus> control = bus::make_memory_bus(hub);
   std::unique_ptr<bus::MessageBus> housekeeping = bus::make_memory_bus(hub);
