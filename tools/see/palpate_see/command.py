@@ -22,6 +22,7 @@ Examples:
   palpate-see --config see.yaml --check
   palpate-see --config see.yaml
   palpate-see --config see.yaml --log run.log --output seen.log
+  palpate-see --config see.yaml --log clouds.log --joints sensors.log --output seen.log
   palpate-see --config see.yaml --clouds clouds --joints run.log --output seen.csv
   palpate-see --config see.yaml --images images.csv --output seen.log --json -
 Exit codes: 0   done, or ended by a signal
@@ -39,7 +40,7 @@ def parser() -> Parser:
     add("--log", type=Path, help="LCM log with clouds and joint states, instead of the network")
     add("--clouds", type=Path, help="Folder or CSV list of clouds: .ply, .pcd, .xyz or .npy, m, in the camera's frame")
     add("--images", type=Path, help="Folder or CSV list of depth images: .png of 16 bits or .npy")
-    add("--joints", type=Path, help="LCM log with ROBOT_STATE and HAND_STATE at the times of --clouds or --images")
+    add("--joints", type=Path, help="LCM log with ROBOT_STATE and HAND_STATE at the times of --log, --clouds or --images")
     add("--output", type=Path, help="LCM log of the observations, or .csv; on the network in addition to publishing")
     add("--seconds", type=Number(0.1, 1e6), help="End after this time, s, on the network")
     add("--json", help="The counters at the end as JSON; - for the standard output")
@@ -60,8 +61,8 @@ def parse(words: list[str], version: str) -> argparse.Namespace:
         made.error(f"{sources[0]}: --output is required")
     if sources and options.seconds:
         made.error(f"--seconds and {sources[0]} exclude each other")
-    if options.joints and not (options.clouds or options.images):
-        made.error("--joints: is for --clouds and --images")
+    if options.joints and not sources:
+        made.error("--joints: is for --log, --clouds and --images")
     return options
 
 
