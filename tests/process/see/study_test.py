@@ -1,4 +1,5 @@
-"""measure_see on two scenes; its rays compared with steps along them, its kinematics with those of tools/see.
+"""measure_see on two scenes; its rays compared with steps along them, its kinematics with those of tools/see. Goal, logs and
+errors of measure_shape, without its runs.
 
 usage: study_test.py BINARIES SOURCE
 """
@@ -11,11 +12,14 @@ import tempfile
 import unittest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+BINARIES, SOURCE = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 PROGRAM = SOURCE / "tools/lab/see/measure_see"
-sys.path[:0] = [str(SOURCE / "tools" / folder) for folder in ("see", "common", "lab/goals", "lab/see")]
+sys.path[:0] = [str(BINARIES.parent / "python"),
+                *(str(SOURCE / "tools" / folder) for folder in ("see", "common", "lab/draws", "lab/goals", "lab/see"))]
 
 import numpy as np  # noqa: E402
+import palpate  # noqa: E402
+import shape_run  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
 
 from palpate_see.kinematics import link_poses  # noqa: E402
@@ -55,6 +59,52 @@ class Study(unittest.TestCase):
 
         self.assertRegex(of(2), r"1\.00 % +goal at most 1 % +met")
         self.assertRegex(of(3), r"1\.50 % +goal at most 1 % +MISSED")
+
+
+class Shape(unittest.TestCase):
+    def run_shape(self, folder, *words):
+        program = SOURCE / "tools/lab/see/measure_shape"
+        return subprocess.run([program, "--output", folder, *words], capture_output=True, text=True)
+
+    def test_the_goal_counts_all_runs_together(self):
+        def of(errors):
+            return shape_run.text_of([{"seen": {"mean": seen, "observations": 9}, "truth": {"mean": truth, "observations": 10},
+                                       "blind": {"mean": 3e-3}} for seen, truth in errors])[0]  # fmt: skip
+
+        self.assertRegex(of([(2e-3, 1e-3), (0.99e-3, 1.5e-3)]), r"segmentation +1\.20 +goal at most 1\.2 +met")
+        missed = of([(2e-3, 1e-3), (1.1e-3, 1.5e-3)])
+        self.assertRegex(missed, r"segmentation +1\.24 +goal at most 1\.2 +MISSED")
+        self.assertRegex(missed, r"in the worst run +2\.00")
+        self.assertRegex(missed, r"share of the clouds +90 %")
+
+    def test_wrong_command_lines_are_refused(self):
+        for words in (["--draws", "0"], ["--first", "-1"], ["--bim", "x"]):
+            self.assertEqual(self.run_shape("unused", *words).returncode, 64, words)
+
+    def test_a_seed_gives_the_same_run(self):
+        first, again, other = (shape_run.draw(seed) for seed in (3000, 3000, 3001))
+        self.assertEqual(first.settings, again.settings)
+        self.assertNotEqual(first.settings[3:], other.settings[3:])
+        bar = (shape_run.MIDDLE - first.p) @ first.R
+        self.assertTrue(0.7 < bar[2] < 1.2, bar)  # before the camera
+        self.assertLess(np.hypot(*bar[:2]), 0.1)
+
+    def test_observations_come_when_palpate_see_would_have_sent_them(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            cloud = bytes(8) + (1000).to_bytes(8, "big") + bytes(20)  # the message's stamp
+            for log, events in (("sensors", [(50_000, "FT_WRENCH", b"a"), (90_000, "SHAPE_OBSERVATION", b"truth"),
+                                             (120_000, "FT_WRENCH", b"b")]),
+                                ("clouds", [(61_000, "POINT_CLOUD", cloud)]),
+                                ("seen", [(1000, "SHAPE_OBSERVATION", b"seen")])):  # fmt: skip
+                with palpate.EventLogWriter(folder / f"{log}.log") as writer:
+                    for event in events:
+                        writer.write(*event)
+            found = {kind: [(event.utime, event.data) for event in palpate.EventLog(shape_run._log_of(kind, folder, palpate))]
+                     for kind in shape_run.KINDS}  # fmt: skip
+        self.assertEqual(found["seen"], [(50_000, b"a"), (111_000, b"seen"), (120_000, b"b")])
+        self.assertEqual(found["truth"], [(50_000, b"a"), (90_000, b"truth"), (120_000, b"b")])
+        self.assertEqual(found["blind"], [(50_000, b"a"), (120_000, b"b")])
 
 
 class Rays(unittest.TestCase):

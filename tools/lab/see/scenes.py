@@ -57,7 +57,7 @@ def _bar(lift: float, sideways: float) -> tuple[list[Body], Floats, Floats]:
     return boxes, axis[held], way[held] / np.linalg.norm(way[held])
 
 
-def _looking(eye: Floats, target: Floats) -> Floats:
+def looking(eye: Floats, target: Floats) -> Floats:
     """R of a camera, z towards the target, y downwards."""
     z = (target - eye) / np.linalg.norm(target - eye)
     x = np.cross(z, [0, 0, 1])
@@ -84,7 +84,7 @@ def draw(urdf: Path, seed: int) -> Scene:
     target = np.array([1.1, 0, 0.32]) + random.uniform(-0.05, 0.05, 3)
     sideways = np.array([np.sin(azimuth), -np.cos(azimuth), 0]) * np.cos(elevation)
     p = target + random.uniform(0.8, 1.2) * (sideways + np.array([0, 0, np.sin(elevation)]))
-    R = _looking(p, target)
+    R = looking(p, target)
     turn = Rotation.from_rotvec(CAMERA_ANGLE * random.normal(size=3)).as_matrix()
     fingers = [f"{finger}_j{i}" for finger in ("ff", "mf", "rf", "lf") for i in (4, 3, 2, 1)]
     names = [*true_angles, *fingers, "th_j5", "th_j4", "th_j2", "th_j1"]
