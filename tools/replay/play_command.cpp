@@ -218,13 +218,13 @@ void Player::step(std::int64_t now_ns, const Sink& sink) {
 bool is_command(const std::string& channel) {
   return matches(channel,
                  "(TWIST_COMMAND|JOINT_VELOCITY_COMMAND|HAND_COMMAND|COMPONENT_COMMAND|"
-                 "SHAPE_TARGET|MANUAL_FORCE)(_[0-9]+)?");
+                 "SHAPE_TARGET|MANUAL_FORCE|TOUCH_REQUEST)(_[0-9]+)?");
 }
 
 bool is_input(const std::string& channel) {
   return matches(channel,
                  "(FT_WRENCH|IMU|ROBOT_STATE|HAND_STATE)(_[0-9]+)?|BIOTAC_[0-9]|SHAPE_OBSERVATION|"
-                 "SHAPE_TARGET|MANUAL_FORCE|COMPONENT_COMMAND");
+                 "SHAPE_TARGET|MANUAL_FORCE|COMPONENT_COMMAND|TOUCH_REQUEST");
 }
 
 std::string label_of(const std::string& log, std::string& file) {
@@ -262,7 +262,7 @@ void PlayCommand::add_to(CLI::App& app) {
       "--commands", commands,
       "also what moves a robot or a hand (TWIST_COMMAND, JOINT_VELOCITY_COMMAND, "
       "HAND_COMMAND), or makes a palpated that runs do so (COMPONENT_COMMAND, SHAPE_TARGET, "
-      "MANUAL_FORCE), which is left out otherwise");
+      "MANUAL_FORCE, TOUCH_REQUEST), which is left out otherwise");
   app.add_flag("-q,--quiet", quiet, "no progress and no summary");
   app.footer(
       "Keys, on a terminal: space pauses, . plays one message, + and - change the rate, left and\n"

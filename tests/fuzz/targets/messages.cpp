@@ -13,6 +13,7 @@
 #include <palpate/shape_observation_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/sim_tick_t.hpp>
+#include <palpate/touch_request_t.hpp>
 
 #include "rt/daemon/inputs.hpp"
 #include "tests/fuzz/target.hpp"
@@ -46,7 +47,8 @@ const std::vector<Kind>& kinds() {
                                         kind<component_command_t>("COMPONENT_COMMAND"),
                                         kind<shape_target_t>("SHAPE_TARGET"),
                                         kind<sim_tick_t>("SIM_TICK"),
-                                        kind<shape_observation_t>("SHAPE_OBSERVATION")};
+                                        kind<shape_observation_t>("SHAPE_OBSERVATION"),
+                                        kind<touch_request_t>("TOUCH_REQUEST")};
   return all;
 }
 
@@ -135,6 +137,7 @@ std::vector<std::string> seeds() {
           seed(11, component_command_t{}) + seed(13, sim_tick_t{}),
           seed(12, shape_target_t{}),
           seed(14, cloud),
+          seed(15, touch_request_t{}),
           seed(1, imu_t{}, kWrongFingerprint) + seed(2, robot, kWrongSize)};
 }
 
@@ -147,6 +150,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   daemon::Inputs inputs(*bus, 2);
   fuzz::Echo<component_command_t> commands(*bus, "COMPONENT_COMMAND");
   fuzz::Echo<shape_target_t> targets(*bus, "SHAPE_TARGET");
+  fuzz::Echo<touch_request_t> touches(*bus, "TOUCH_REQUEST");
   fuzz::Echo<sim_tick_t> ticks(*bus, "SIM_TICK");
 
   std::int64_t now_ns = 0;
@@ -177,6 +181,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check(inputs.signals(1));
   commands.check();
   targets.check();
+  touches.check();
   ticks.check();
   for (int i = 0; i < inputs.channel_count(); ++i)
     fuzz::require(inputs.report(i).received >= 0 && inputs.report(i).rejected >= 0, "counters");

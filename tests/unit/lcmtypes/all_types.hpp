@@ -28,6 +28,8 @@
 #include <palpate/shape_v1_t.hpp>
 #include <palpate/sim_tick_t.hpp>
 #include <palpate/tick_done_t.hpp>
+#include <palpate/touch_request_t.hpp>
+#include <palpate/touch_t.hpp>
 #include <palpate/truth_contact_t.hpp>
 #include <palpate/truth_touch_t.hpp>
 #include <palpate/twist_command_t.hpp>
@@ -63,6 +65,8 @@ void for_each_fixed_size_type(Visit visit) {
   visit(shape_target_t{});
   visit(sim_tick_t{});
   visit(tick_done_t{});
+  visit(touch_request_t{});
+  visit(touch_t{});
   visit(truth_contact_t{});
   visit(truth_touch_t{});
   visit(twist_command_t{});

@@ -46,6 +46,8 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"shape_v1_t", 0x97b9268b0352c0c7},
     {"sim_tick_t", 0x522bb656c829fa02},
     {"tick_done_t", 0xa9d321bb3d3be9ab},
+    {"touch_request_t", 0x1ef99f3a0b09afa4},
+    {"touch_t", 0xe4cbbaf4eaa65cf4},
     {"truth_contact_t", 0x779c317d534d90e5},
     {"truth_touch_t", 0x740489c96fb161f2},
     {"twist_command_t", 0xd5e7535877b658a3},
@@ -94,7 +96,7 @@ constexpr bool kFixedSize = (std::is_trivially_copyable_v<Types> && ...);
 
 static_assert(
     kFixedSize<ft_wrench_t, imu_t, robot_state_t, hand_state_t, biotac_t, shape_observation_t,
-               shape_target_t, manual_force_t, component_command_t, sim_tick_t>,
+               shape_target_t, manual_force_t, component_command_t, touch_request_t, sim_tick_t>,
     "all that the daemon receives has a fixed size");
 static_assert(!kFixedSize<shape_t>, "the check recognises variable sizes");
 

@@ -13,6 +13,7 @@
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/sim_tick_t.hpp>
+#include <palpate/touch_request_t.hpp>
 #include <palpate/world_state_t.hpp>
 #include <stdexcept>
 
@@ -79,6 +80,7 @@ std::vector<Target> usual_targets() {
           target<world_state_t>(channel::kWorldState),
           target<component_command_t>(channel::kComponentCommand),
           target<shape_target_t>(channel::kShapeTarget),
+          target<touch_request_t>(channel::kTouchRequest),
           target<sim_tick_t>(channel::kSimTick),
           target<shape_t>(channel::kShape)};
 }

@@ -16,6 +16,7 @@
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/manual_force_t.hpp>
 #include <palpate/shape_target_t.hpp>
+#include <palpate/touch_request_t.hpp>
 #include <palpate/twist_command_t.hpp>
 #include <vector>
 
@@ -73,6 +74,7 @@ TEST(Authentication, SealedMessagesOfEveryTypeVerify) {
   check(component_command_t{});
   check(shape_target_t{});
   check(manual_force_t{});
+  check(touch_request_t{});
 }
 
 TEST(Authentication, AnyFlippedBitIsSeen) {

@@ -32,6 +32,8 @@ constexpr LeftOut kLeftOut[] = {
     {"view", channel::kImu, "raw: the arm moves by ROBOT_STATE"},
     {"view", channel::kShapeTarget, "FEATURE contains the target that is active"},
     {"view", channel::kComponentCommand, "COMPONENT_EVENT acknowledges it"},
+    {"view", channel::kTouchRequest, "TOUCH acknowledges it"},
+    {"view", channel::kTouch, "palpate-command touch and the Python package report it"},
     {"view", channel::kUnknownContact, "ESTIMATE contains it"},
     {"view", channel::kTwistCommand1, "the second arm moves by ROBOT_STATE_1"},
     {"view", channel::kJointVelocityCommand, "the arm moves by ROBOT_STATE"},

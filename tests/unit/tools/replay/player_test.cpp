@@ -161,7 +161,8 @@ TEST(PlayCommand, KnowsLabelsAndWhatMovesARobot) {
     EXPECT_FALSE(is_command(channel)) << channel;
     EXPECT_TRUE(is_input(channel)) << channel;
   }
-  for (const char* channel : {"SHAPE_TARGET", "COMPONENT_COMMAND", "MANUAL_FORCE"}) {
+  for (const char* channel :
+       {"SHAPE_TARGET", "COMPONENT_COMMAND", "MANUAL_FORCE", "TOUCH_REQUEST"}) {
     EXPECT_TRUE(is_command(channel)) << channel << " makes a daemon move the robot";
     EXPECT_TRUE(is_input(channel)) << channel;
   }
