@@ -151,6 +151,7 @@ void ComponentSet::build_steering(const config::Node& root) {
   provider = registry::make_jacobian_provider(control, context, *feature);
   markers = registry::make_marker_observer(control, context, *feature);
   law = registry::make_control_law(control, context, *feature);
+  guarded_motion = dynamic_cast<control::GuardedMotion*>(law.get());
   moving = registry::read_moving_arms(control, context);
   commands_joints = registry::read_commands_joints(control, context);
   on_discrepancy = registry::read_discrepancy_policy(control);
@@ -228,6 +229,7 @@ void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
     feature.swap(other.feature);
     provider.swap(other.provider);
     law.swap(other.law);
+    std::swap(guarded_motion, other.guarded_motion);
     markers.swap(other.markers);
     moving = other.moving;
     commands_joints = other.commands_joints;

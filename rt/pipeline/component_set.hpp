@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/control/discrepancy_policy.hpp"
+#include "core/control/guarded_motion.hpp"
 #include "core/estimation/shape_jump.hpp"
 #include "rt/pipeline/life_cycle.hpp"
 #include "rt/plugin/supervision.hpp"
@@ -115,6 +116,7 @@ struct ComponentSet {
   std::unique_ptr<shape::Feature> feature;
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
+  control::GuardedMotion* guarded_motion = nullptr;  // the law, if it is one
   /// Null: the feature is evaluated on the model.
   std::unique_ptr<control::MarkerObserver> markers;
   registry::MovingArms moving = registry::MovingArms::kFirst;

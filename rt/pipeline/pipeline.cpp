@@ -129,6 +129,7 @@ void Pipeline::control(double dt) noexcept {
     arm.gate_inputs.requested_W_E = math::Twist();
     arm.requested_joints.setZero();
   }
+  if (components_->guarded_motion != nullptr) return move_guarded(dt);
   if (!is_running()) return;
   components_->on_discrepancy.update(trust_.is_in_doubt(), dt);
   if (components_->target.revision < 0 || !moving_arms_known() || !is_trusted()) return;
@@ -209,20 +210,6 @@ bool Pipeline::steer(double dt, int first) noexcept {
     components.feature_state.unreachable = components.feature_state.error;
   }
   return true;
-}
-
-/// The robot must not move with an unreliable shape estimate, among obstacles at unknown places,
-/// nor with a hand without valid force measurement.
-bool Pipeline::is_trusted() const noexcept {
-  if (obstacle_condition_.state != LifeCycle::kActive) return false;
-  for (const ComponentSet::Sensing& instance : components_->sensing) {
-    if (instance.condition.state != LifeCycle::kActive) return false;
-  }
-  for (const ComponentSet::Contact& instance : components_->contact) {
-    if (instance.condition.state == LifeCycle::kFaulted) return false;
-  }
-  return trust_.is_usable() && components_->estimation_condition.state != LifeCycle::kFaulted &&
-         components_->feature_condition.state != LifeCycle::kFaulted;
 }
 
 bool Pipeline::moving_arms_known() const noexcept {

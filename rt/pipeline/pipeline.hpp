@@ -47,6 +47,16 @@ class Pipeline {
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
                   const double* values, int value_count, const char*& reason) noexcept;
 
+  /// Guarded motion of the first arm, by the law guarded_motion. begin_touch(): "" or why it is
+  /// refused.
+  const char* begin_touch(const control::TouchRequest& request) noexcept;
+  void cancel_touch() noexcept;
+  /// State of the last one; nullptr with another law.
+  const control::TouchReport* touch_report() const noexcept {
+    return components_->guarded_motion == nullptr ? nullptr
+                                                  : &components_->guarded_motion->report();
+  }
+
   /// For a Replacement, which is built elsewhere. The snapshot has the present mesh's size and is
   /// filled by the loop's thread.
   const ComponentSet& components() const noexcept { return *components_; }
@@ -156,7 +166,9 @@ class Pipeline {
   bool observe(double dt, int first) noexcept;
   bool fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept;
   bool steer(double dt, int first) noexcept;
-  bool is_trusted() const noexcept;
+  const char* distrust() const noexcept;
+  bool is_trusted() const noexcept { return distrust() == nullptr; }
+  void move_guarded(double dt) noexcept;
   bool moving_arms_known() const noexcept;
   double request(int arm, const math::Twist& V_O_G) noexcept;
   static void find_joints(Arm& arm) noexcept;

@@ -16,7 +16,7 @@ inline constexpr std::array<const char*, 5> kDeformationModels = {
 inline constexpr std::array<const char*, 7> kFeatures = {
     "point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"};
 inline constexpr std::array<const char*, 2> kJacobianProviders = {"fem", "kinematic"};
-inline constexpr std::array<const char*, 3> kControlLaws = {"proportional_twist", "dual_quaternion",
-                                                            "quadratic_program"};
+inline constexpr std::array<const char*, 4> kControlLaws = {"proportional_twist", "dual_quaternion",
+                                                            "quadratic_program", "guarded_motion"};
 
 }  // namespace palpate::plugin

@@ -1,3 +1,4 @@
+#include "core/control/guarded_motion.hpp"
 #include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
 #include "core/control/twist_law.hpp"
@@ -165,6 +166,64 @@ std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& 
   return std::make_unique<QuadraticProgramLaw>(options, limited);
 }
 
+OptionTable<contact::IndentationFit::Options> indentation_options() {
+  using Options = contact::IndentationFit::Options;
+  return OptionTable<Options>()
+      .number("exponent", "",
+              "Exponent of the force over the indentation: 1.5 for a ball on a thick object, 1 for "
+              "a flat tip",
+              {1, 3}, &Options::exponent)
+      .number(
+          "exponent_deviation", "",
+          "Standard deviation of the exponent; 0: it is exact, which makes the deviation of the "
+          "touched point too small on most objects",
+          {0, 1}, &Options::exponent_deviation)
+      .number("bias_deviation", "N",
+              "Standard deviation of the change of the force without contact since the approach "
+              "began",
+              {1e-4, 10}, &Options::bias_deviation);
+}
+
+OptionTable<control::GuardedMotion::Options> guarded_motion_options() {
+  using Options = control::GuardedMotion::Options;
+  return OptionTable<Options>()
+      .number("speed", "m/s", "Speed of the approach, where the request gives none", {1e-5, 0.1},
+              &Options::speed)
+      .number("distance", "m",
+              "Distance after which an approach ends without contact, where the request gives none",
+              {1e-3, 1}, &Options::distance)
+      .number("retreat", "m",
+              "Distance from the touched point after backing off, where the request gives none",
+              {0, 1}, &Options::retreat)
+      .number("acceleration", "m/s^2", "Acceleration of a guarded motion", {1e-3, 10},
+              &Options::acceleration)
+      .vector3("tip_in_grasp", "m", "Centre of the tip that touches, in G", {-1, 1},
+               &Options::tip_G)
+      .number("tip_radius", "m", "Radius of the tip; 0: a point", {0, 0.1}, &Options::tip_radius)
+      .number("baseline_time", "s", "Time at rest over which the force without contact is averaged",
+              {0.01, 10}, &Options::baseline_time)
+      .number("hold_time", "s", "Least time at rest between approach and retreat", {0, 10},
+              &Options::hold_time)
+      .number("force_smoothing", "s",
+              "Time constant of the force that is compared with the threshold", {1e-3, 1},
+              &Options::force_smoothing)
+      .number("force_limit", "N",
+              "Largest threshold that a request may have; above this force the hand backs off at "
+              "once",
+              {0.01, 1e3}, &Options::force_limit)
+      .number("force_delay", "s", "Delay of the force relative to the pose", {0, 0.1},
+              &Options::force_delay)
+      .part(indentation_options(), &Options::fit);
+}
+
+std::unique_ptr<control::ControlLaw> make_guarded_motion(
+    const control::GuardedMotion::Options& options, const config::Node& node,
+    const Context& context) {
+  if (read_moving_arms(node, context) != MovingArms::kFirst)
+    node.fail("law", "guarded_motion moves the first arm only; see moves");
+  return std::make_unique<control::GuardedMotion>(options, context.gate[0].linear_speed);
+}
+
 template <class Law>
 std::unique_ptr<control::ControlLaw> make_twist_law(const config::Node& node,
                                                     const Context& context) {
@@ -256,7 +315,11 @@ std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
           .add("dual_quaternion", "Twist along the screw motion that corrects a pose",
                make_twist_law<control::DualQuaternion>)
           .add("quadratic_program", "Twist or joint velocities that keep limits",
-               make_quadratic_program);
+               make_quadratic_program)
+          .add("guarded_motion",
+               "Motion on request along a direction until a contact, whose place and stiffness it "
+               "reports; follows no target",
+               guarded_motion_options(), make_guarded_motion);
   auto law = slot.make(node, context);
   try {
     law->configure_for(feature);
