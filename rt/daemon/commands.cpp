@@ -96,12 +96,12 @@ void Commands::handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) n
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 
-void Commands::announce_rejected(const Inputs::Admissions& inputs, std::int64_t monotonic_ns,
+void Commands::announce_rejected(Admissions others, std::int64_t monotonic_ns,
                                  std::int64_t utime) noexcept {
   constexpr std::int64_t kInterval = 1'000'000'000;  // ns
   if (rejected_reported_ns_ != 0 && monotonic_ns - rejected_reported_ns_ < kInterval) return;
-  const bus::ReplayGuard* admissions[] = {&command_admission_, &target_admission_, inputs[0],
-                                          inputs[1]};
+  const bus::ReplayGuard* admissions[] = {&command_admission_, &target_admission_, others[0],
+                                          others[1], others[2]};
   for (std::size_t i = 0; i < rejected_reported_.size(); ++i) {
     const std::int64_t more = admissions[i]->rejected() - rejected_reported_[i];
     if (more == 0) continue;

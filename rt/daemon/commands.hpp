@@ -34,9 +34,10 @@ class Commands {
   void handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
               std::int64_t utime) noexcept;
 
-  /// Reports, at most once per second, that commands or signed inputs (`inputs`) were rejected.
-  void announce_rejected(const Inputs::Admissions& inputs, std::int64_t monotonic_ns,
-                         std::int64_t utime) noexcept;
+  /// Admission of the other signed channels: manual forces, obstacles, guarded motions.
+  using Admissions = const bus::ReplayGuard* const (&)[3];
+  /// Reports, at most once per second, that messages of those or commands were rejected.
+  void announce_rejected(Admissions others, std::int64_t monotonic_ns, std::int64_t utime) noexcept;
   /// Number of commands and targets without a valid code or with an old counter.
   std::int64_t rejected() const noexcept {
     return command_admission_.rejected() + target_admission_.rejected();
@@ -79,7 +80,7 @@ class Commands {
   std::array<char, 32> last_answer_{};  // to the last command
   std::array<char, 256> last_reason_{};
   TargetAssembly assembly_;
-  std::array<std::int64_t, 4> rejected_reported_{};  // for commands, targets, signed inputs
+  std::array<std::int64_t, 5> rejected_reported_{};  // for commands, targets, the others
   std::int64_t rejected_reported_ns_ = 0;
 
   bus::StampedPublisher<component_event_t> events_;

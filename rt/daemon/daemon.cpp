@@ -25,6 +25,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
       inputs_(control, pipeline_.arm_count(), settings_.frozen_after, access_),
       commands_(control, housekeeping, session, access_),
+      touching_(control, session, access_),
       reports_(pipeline_),
       telemetry_(control, housekeeping, pipeline_, session, access_),
       health_(control, housekeeping, session, root.hash(), pipeline_.object().hash),
@@ -82,6 +83,7 @@ void Daemon::tick(const Now& now) noexcept {
   if (inputs_.any_session_restarted())
     pipeline_.stop("a sensor, hand or robot has restarted: waits for start");
   commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
+  touching_.handle(pipeline_, now.utime);
   if (const bus::Subscription* channel = types_.look(now.monotonic_ns))
     commands_.announce_wrong_type(*channel, now.utime);
   mark(Phase::kRead);
@@ -142,7 +144,10 @@ void Daemon::publish(const Now& now) noexcept {
     if (record_ && condition.state == pipeline::LifeCycle::kFaulted) record_->hand_over("fault");
     commands_.announce(condition, now.utime);
   }
-  commands_.announce_rejected(inputs_.admissions(), now.monotonic_ns, now.utime);
+  const bus::ReplayGuard* const admissions[] = {inputs_.admissions()[0], inputs_.admissions()[1],
+                                                &touching_.admission()};
+  commands_.announce_rejected(admissions, now.monotonic_ns, now.utime);
+  touching_.publish(pipeline_, now.monotonic_ns, now.utime);
   if (pipeline_.fallbacks_taken() != reported_fallbacks_) {
     reported_fallbacks_ = pipeline_.fallbacks_taken();
     if (record_) record_->hand_over("fallback");
@@ -174,7 +179,7 @@ void Daemon::publish(const Now& now) noexcept {
       counters_.allocations = allocations < 0 ? -1 : allocations - allocations_at_start_;
     }
     counters_.commands_rejected = commands_.rejected();
-    for (const bus::ReplayGuard* admission : inputs_.admissions())
+    for (const bus::ReplayGuard* admission : admissions)
       counters_.commands_rejected += admission->rejected();
     health_.publish(counters_, condition, inputs_, pipeline_.running_models(), now.utime);
   }

@@ -10,6 +10,7 @@
 #include "rt/daemon/replacing.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/daemon/telemetry.hpp"
+#include "rt/daemon/touching.hpp"
 #include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
@@ -69,6 +70,7 @@ class Daemon {
   pipeline::Pipeline pipeline_;
   Inputs inputs_;
   Commands commands_;
+  Touching touching_;
   ComponentReports reports_;
   Telemetry telemetry_;
   Health health_;

@@ -96,7 +96,8 @@ TEST_P(EveryConfiguration, SubscribesToNoTruth) {
                                           "BIOTAC_1",     "BIOTAC_2",
                                           "BIOTAC_3",     "BIOTAC_4",
                                           "SIM_TICK",     "COMPONENT_COMMAND",
-                                          "SHAPE_TARGET", "SHAPE_OBSERVATION"};
+                                          "SHAPE_TARGET", "SHAPE_OBSERVATION",
+                                          "TOUCH_REQUEST"};
   const std::set<std::string> heard = control.channels();
   EXPECT_TRUE(std::includes(heard.begin(), heard.end(), expected.begin(), expected.end()));
   for (const RecordingBus* bus : {&control, &housekeeping}) {
