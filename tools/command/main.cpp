@@ -5,6 +5,7 @@
 
 #include "rt/client/client.hpp"
 #include "rt/config/command_line.hpp"
+#include "tools/command/touch.hpp"
 #include "tools/common/program.hpp"
 
 // palpate-command: sends commands to a running palpated. See --help.
@@ -25,6 +26,7 @@ struct Options {
   std::vector<std::string> parameters;  // key=value
   std::string kind;
   std::vector<double> points, values;
+  palpate::command::Touch touch;
 };
 
 void add_events(CLI::App& app, Options& options) {
@@ -64,6 +66,7 @@ void add_events(CLI::App& app, Options& options) {
                    "wait until the feature's error is this small (m, rad, 1/m); code 1 where it is "
                    "not within --timeout")
       ->check(CLI::PositiveNumber);
+  options.touch.add_to(app);
   for (CLI::App* sub : app.get_subcommands({})) sub->fallthrough();
 }
 
@@ -93,6 +96,7 @@ int run(const CLI::App& app, Options& options) {
   if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
   const std::string name = app.get_subcommands().at(0)->get_name();
   const auto control = bus::make_lcm_bus(options.control);
+  if (name == "touch") return options.touch.run(*control, access, options.timeout);
   const auto housekeeping = bus::make_lcm_bus(options.housekeeping);
   client::Client daemon(*control, *housekeeping, access);
 
@@ -136,11 +140,13 @@ int main(int argc, char** argv) {
       "  palpate-command zero\n"
       "  palpate-command --key robot.key start\n"
       "  palpate-command target point 0.25 0.03 0.08 --reach 2e-3\n"
-      "  palpate-command replace control --set provider=kinematic");
+      "  palpate-command replace control --set provider=kinematic\n"
+      "  palpate-command touch --direction 0 0 -1 --force 0.2");
   add_events(app, options);
-  if (const auto code = palpate::config::parse(app, argc, argv,
-                                               {{{1, "refused, no answer, or an error"}},
-                                                {{"--housekeeping", "--url", "housekeeping="}}}))
+  if (const auto code =
+          palpate::config::parse(app, argc, argv,
+                                 {{{1, "refused, no answer, no contact, or an error"}},
+                                  {{"--housekeeping", "--url", "housekeeping="}}}))
     return *code;
   if (make_key->empty() && app.get_subcommands().empty())
     return palpate::config::usage_error(app, "a command is required");
