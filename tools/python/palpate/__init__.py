@@ -33,6 +33,7 @@ from palpate.event_log import Event, EventLog, EventLogWriter
 from palpate.log import Log, Series, read_log
 from palpate.mesh import Mesh, MeshBuilder, PointsInMesh, assemble
 from palpate.recorder import Recorder
+from palpate.touch import Touch
 from palpate.version import __version__
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "ShapeError",
     "Subscription",
     "Summary",
+    "Touch",
     "__version__",
     "assemble",
     "channel_names",

@@ -16,6 +16,7 @@ from palpate.channel_table import CHANNELS
 from palpate.channels import field_of, text_of
 from palpate.closing import Closing
 from palpate.mesh import Mesh, MeshBuilder
+from palpate.touch import Touch, TouchError, TouchTimeout, run_touch
 
 STATES = ("unconfigured", "inactive", "active", "degraded", "faulted", "finalized")
 _REPEAT = 0.2  # s, after which an unanswered command is repeated
@@ -198,6 +199,32 @@ class Daemon(Closing):
             if left <= 0:
                 return
             self.housekeeping.run(min(left, _RENEW))
+
+    def touch(
+        self,
+        direction: Sequence[float],
+        force: float,
+        speed: float = 0.0,
+        distance: float = 0.0,
+        retreat: float = 0.0,
+        progress: Optional[Callable[[Touch], None]] = None,
+    ) -> Touch:
+        """Guarded motion: moves along `direction` (in W, of any length) until the force against
+        the motion reaches `force` (N), backs off, and returns the touched point. speed (m/s),
+        distance (m, after which it ends without contact) and retreat (m): 0 as configured.
+        `progress` is called with each state on the way. The configuration needs the control law
+        guarded_motion. Raises Refused, or NoAnswer if the daemon is silent for the time-out; an
+        exception, also of `progress`, stops the motion."""
+        sealer = self._sealers["TOUCH_REQUEST"]
+        try:
+            return run_touch(
+                self.control, sealer, self.timeout, direction, force, speed, distance, retreat,
+                progress,
+            )  # fmt: skip
+        except TouchError as error:
+            raise Refused(f"touch: {error}") from None
+        except TouchTimeout as error:
+            raise NoAnswer(str(error)) from None
 
     def health(self, timeout: Optional[float] = None) -> messages.health_t:
         """The next HEALTH published from now on. Raises NoAnswer."""

@@ -263,6 +263,72 @@ class Answers(unittest.TestCase):
         self.assertEqual(first[1].rest_points[0], (192.0, 193.0, 194.0))
         self.assertEqual(first[2].values[5], -389.0)
 
+    def touched(self, request: messages.touch_request_t, state: int, reason: str = "") -> None:
+        message = messages.touch_t()
+        message.request, message.state = request.request, state
+        message.point, message.centre = [0.4, 0.0, 0.25], [0.4, 0.0, 0.258]
+        message.point_deviation, message.stiffness = 2e-4, 150.0
+        message.stiffness_deviation, message.indentation = 12.0, -1.0
+        message.reason = field_of(reason, 128)
+        self.control.publish("TOUCH", message)
+
+    def test_a_touch_is_asked_for_until_it_is_heard_and_followed_to_its_end(self) -> None:
+        asked: list[messages.touch_request_t] = []
+        seen: list[str] = []
+
+        def answer(count: int, request: messages.touch_request_t) -> None:
+            asked.append(request)
+            if count < 2:  # lost
+                return
+            self.touched(request, messages.touch_t.WAITING)
+            other = messages.touch_request_t()
+            other.request = request.request + 1
+            self.touched(other, messages.touch_t.STOPPED, "of another sender")
+            self.touched(request, messages.touch_t.APPROACHING)
+            self.touched(request, messages.touch_t.TOUCHED)
+
+        self.answering(answer, "TOUCH_REQUEST")
+        touch = self.daemon.touch(
+            [0, 0, -2], 0.2, distance=0.03, progress=lambda now: seen.append(now.state)
+        )
+        self.assertTrue(touch.touched)
+        np.testing.assert_array_equal(touch.point, [0.4, 0.0, 0.25])
+        np.testing.assert_array_equal(touch.centre, [0.4, 0.0, 0.258])
+        self.assertEqual((touch.point_deviation, touch.stiffness), (2e-4, 150.0))
+        self.assertIsNone(touch.indentation)
+        self.assertEqual(seen, ["waiting", "approaching"])
+        self.assertEqual(len({request.request for request in asked}), 1)
+        self.assertEqual(tuple(asked[0].direction), (0.0, 0.0, -2.0))
+        self.assertEqual((asked[0].force, asked[0].speed, asked[0].distance), (0.2, 0.0, 0.03))
+
+    def test_a_touch_without_contact_has_no_point_and_a_refusal_is_an_error(self) -> None:
+        states = [messages.touch_t.NO_CONTACT, messages.touch_t.REFUSED]
+        self.answering(
+            lambda count, request: self.touched(request, states[count], "why"), "TOUCH_REQUEST"
+        )
+        touch = self.daemon.touch([1, 0, 0], 0.2)
+        self.assertEqual((touch.state, touch.reason, touch.point), ("no contact", "why", None))
+        with self.assertRaisesRegex(palpate.Refused, "touch: why"):
+            self.daemon.touch([1, 0, 0], 0.2)
+
+    def test_an_interrupted_touch_is_cancelled(self) -> None:
+        actions: list[int] = []
+
+        def answer(_: int, request: messages.touch_request_t) -> None:
+            actions.append(request.action)
+            self.touched(request, messages.touch_t.APPROACHING)
+
+        def interrupt(_: palpate.Touch) -> None:
+            raise KeyboardInterrupt
+
+        self.answering(answer, "TOUCH_REQUEST")
+        with self.assertRaises(KeyboardInterrupt):
+            self.daemon.touch([1, 0, 0], 0.2, progress=interrupt)
+        end = time.monotonic() + 5
+        while len(actions) < 2 and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertEqual(actions[-1], messages.touch_request_t.CANCEL)
+
     def test_a_timeout_names_the_url_without_an_answer(self) -> None:
         self.daemon.timeout = 0.3
         with self.assertRaisesRegex(palpate.NoAnswer, "is palpated running on udpm://"):
