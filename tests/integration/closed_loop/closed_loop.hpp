@@ -136,6 +136,9 @@ class ClosedLoop {
     return (daemon_.pipeline().model().positions().leftCols(x.cols()) - x).colwise().norm();
   }
 
+  /// Messages between simulator, daemon and user.
+  bus::MessageBus& user_bus() { return *user_bus_; }
+
   scenes::Simulation& simulation() { return simulation_; }
   daemon::Daemon& daemon() { return daemon_; }
   bus::TypedSubscription<twist_command_t>& twists() { return twists_; }
