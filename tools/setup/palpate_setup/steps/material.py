@@ -19,7 +19,7 @@ from palpate_setup.step import Result, Setting, Step, Work
 # Of the controlled point from rest, in O, times the amplitude; along the object's long side less, where it is stiffest.
 MOVES = ((0, 0, 1), (0, 1, 0), (0, 0, -1), (0, -1, 0), (0.5, 0, 0), (-0.5, 0, 0), (0.3, 0.7, 0.7), (0, 0, 0))
 REST = 1.6  # s, at each place
-LONGEST_REST = 60  # s, that gives one sample
+CALM = "{linear_speed: 0.001, angular_speed: 0.004, settle: 0.5, window: 0.5, every: 3}"  # of the hand: m/s, rad/s, s
 TOLERANCE = 2e-3  # m, of the controlled point; the fit uses the pose of the hand
 WIDEST = 0.5  # half width of E's interval as a share of E, beyond which it counts as not determined
 
@@ -84,7 +84,7 @@ class Material(Step):
         plan.write_text(
             "# Written by palpate-setup\nname: object\nrecordings:\n  - kind: held_object\n"
             f"    log: {log}\n    configuration: {base}\n    set: [\"object.mesh=~\", \"object.mesh={mesh}\"]\n"
-            f"    time: {work.answers['clock']}\n    calm: {{settle: 0.5, window: 0.5, every: {LONGEST_REST}}}\n"
+            f"    time: {work.answers['clock']}\n    calm: {CALM}\n"
             f"    sought: [bias{', poisson_ratio' if work.answers['fit_poisson_ratio'] else ''}]\n"
         )
         work.person.say("palpate-fit: some minutes")
@@ -93,31 +93,27 @@ class Material(Step):
     def _result(self, work: Work, folder: Path) -> Result:
         fit = json.loads((folder / "fits.json").read_text())["fits"][0]
         written: Any = plain(read_section(folder / "material.yaml").values)
-        if "corotational" not in fit:
-            raise InputError("palpate-fit has found no material for the linear model; see its fit.png")
-        found = fit["corotational"]
-        modulus, interval = found["young_modulus"], found["young_modulus_interval"]
+        modulus, interval = _modulus(fit, written)
         undetermined = list(written.get("undetermined") or [])
         is_given = not work.answers["fit_poisson_ratio"]
         if "young_modulus" in undetermined or max(abs(bound - modulus) for bound in interval) > WIDEST * modulus:
             raise InputError(f"the motions do not determine Young's modulus ({modulus:.3g} Pa, 95 %: {interval[0]:.3g} to {interval[1]:.3g}); "
                              "a larger amplitude, or another grasp")  # fmt: skip
         deviation = float(np.clip((interval[1] - interval[0]) / 3.92 / modulus, 0.05, 0.5))
-        ratio, widths = found["poisson_ratio"], found["poisson_ratio_interval"]
+        lines = [f"E = {modulus:.4g} Pa, 95 %: {interval[0]:.4g} to {interval[1]:.4g}"]
         origin = f"palpate-fit held_object: 95 % {interval[0]:.4g} to {interval[1]:.4g} Pa"
         settings = [Setting("object.material.young_modulus", float(f"{modulus:.5g}"), origin)]
         if is_given or "poisson_ratio" in undetermined:
             reason = "typed" if is_given else "typed; the motions do not determine it"
             settings.append(Setting("object.material.poisson_ratio", work.answers["poisson_ratio"], reason))
+            lines.append(f"nu = {work.answers['poisson_ratio']:g}, {reason}")
         else:
+            ratio, widths = fit["corotational"]["poisson_ratio"], fit["corotational"]["poisson_ratio_interval"]
+            lines.append(f"nu = {ratio:.3f}, 95 %: {widths[0]:.3f} to {widths[1]:.3f}")
             settings.append(Setting("object.material.poisson_ratio", float(f"{min(ratio, 0.495):.4g}"),
                                     f"palpate-fit: 95 % {widths[0]:.3g} to {widths[1]:.3g}"))  # fmt: skip
         settings.append(Setting("estimation.log_young_modulus_deviation", round(deviation, 3),
                                 "the filter's prior: the interval, at least 5 % for the model's own error"))  # fmt: skip
-        lines = [f"E = {modulus:.4g} Pa, 95 %: {interval[0]:.4g} to {interval[1]:.4g}"]
-        if not is_given:
-            lines.append("nu is not determined by these motions" if "poisson_ratio" in undetermined else
-                         f"nu = {ratio:.3f}, 95 %: {widths[0]:.3f} to {widths[1]:.3f}")  # fmt: skip
         pictures = [work.shown("fitted/fit.png")] if (folder / "fit.png").exists() else []
         return Result(lines, settings, [], pictures, {"young_modulus": modulus, "interval": list(interval)})
 
@@ -126,3 +122,14 @@ class Material(Step):
         settings = [Setting(f"object.material.{key}", answers[key], "typed, not measured") for key in ("young_modulus", "poisson_ratio")]
         return Result([f"E = {answers['young_modulus']:.4g} Pa, nu = {answers['poisson_ratio']:g}, typed"], settings,
                       data={"young_modulus": answers["young_modulus"]})  # fmt: skip
+
+
+def _modulus(fit: Any, written: Any) -> tuple[float, list[float]]:
+    """Young's modulus of the linear model, Pa, and its 95 % interval: that nearest to another model, or that of the model itself.
+    Raises InputError where the fit has none."""
+    if "corotational" in fit:
+        return float(fit["corotational"]["young_modulus"]), list(fit["corotational"]["young_modulus_interval"])
+    interval = (written.get("intervals") or {}).get("young_modulus")
+    if written["material"]["model"] != "linear" or interval is None:
+        raise InputError("palpate-fit does not determine Young's modulus; see its fit.png: larger motions, or another first guess")
+    return float(written["material"]["young_modulus"]), list(interval)
