@@ -53,7 +53,11 @@ void PointsFeature::evaluate(const Eigen::Matrix3Xd& positions,
 }
 
 std::vector<Eigen::Vector3d> surface_points(const mesh::ElementMesh& mesh, int count) {
-  const Eigen::Matrix3Xi triangles = mesh::extract_surface(mesh).triangles;
+  return surface_points(mesh, mesh::extract_surface(mesh).triangles, count);
+}
+
+std::vector<Eigen::Vector3d> surface_points(const mesh::ElementMesh& mesh,
+                                            const Eigen::Matrix3Xi& triangles, int count) {
   std::vector<int> nodes(triangles.data(), triangles.data() + triangles.size());
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());

@@ -60,6 +60,10 @@ class PointsFeature : public MaterialFeature {
 /// has no influence.
 std::vector<Eigen::Vector3d> surface_points(const mesh::ElementMesh& mesh, int count);
 
+/// Same, of the part of the surface that these triangles (corner nodes) form.
+std::vector<Eigen::Vector3d> surface_points(const mesh::ElementMesh& mesh,
+                                            const Eigen::Matrix3Xi& triangles, int count);
+
 /// Distance |p2 - p1| of two material points, m. One number; targets are at least 0.
 class DistanceFeature : public MaterialFeature {
  public:

@@ -42,56 +42,66 @@ std::optional<Eigen::Vector3d> axis(const Node& node) {
                        "none"});
 }
 
-/// The listed points, or a sample of the whole surface.
-Points set_of_points(const Node& node, const mesh::ElementMesh& mesh) {
+/// The listed points, or a sample of the surface.
+Points set_of_points(const Node& node, const Object& object) {
+  const mesh::ElementMesh& mesh = object.body.mesh;
   if (!node.has("surface")) return rest_points(node, "Points of the rest shape, in O: 1 to 512");
   if (node.has("rest_points"))
     node.fail("rest_points", "has no meaning together with \"surface\"; allowed: one of them");
-  return shape::surface_points(
-      mesh, node.integer({"surface", "",
-                          "Number of points spread over the whole surface, in place of "
-                          "rest_points"},
-                         {1, PointsFeature::kMostPoints}));
+  const int count = node.integer({"surface", "",
+                                  "Number of points spread over the surface, in place of "
+                                  "rest_points"},
+                                 {1, PointsFeature::kMostPoints});
+  if (!node.has("surface_group")) return shape::surface_points(mesh, count);
+  const Eigen::Matrix3Xi& triangles =
+      read_group(node,
+                 {"surface_group", "",
+                  "Named group of triangles of the mesh file over which the points of surface are "
+                  "spread; absent: the whole surface"},
+                 object.groups)
+          .triangles;
+  if (triangles.cols() == 0)
+    node.fail("surface_group", "this group of the mesh holds no triangles");
+  return shape::surface_points(mesh, triangles, count);
 }
 
-/// Creates a feature from the mesh and the options that `read` returns.
+/// Creates a feature from the mesh and the options that `read` returns, of node and object.
 template <class Feature, class Read>
 auto on_mesh(Read read) {
   return [read](const Node& node, const Context& context) -> std::unique_ptr<shape::Feature> {
-    const mesh::ElementMesh& mesh = context.object->body.mesh;
-    return std::make_unique<Feature>(mesh, typename Feature::Options(read(node, mesh)));
+    return std::make_unique<Feature>(context.object->body.mesh,
+                                     typename Feature::Options(read(node, *context.object)));
   };
 }
 
 }  // namespace
 
 std::unique_ptr<shape::Feature> make_feature(const Node& node, const Context& context) {
-  using Mesh = mesh::ElementMesh;
   static const auto slot =
       Slot<plugin::PluginFeature>({"component", "", "Kind of the feature"},
                                   &plugin::PluginRegistrar::features)
           .add("point", "Position of a point",
-               on_mesh<shape::PointFeature>([](const Node& own, const Mesh&) {
+               on_mesh<shape::PointFeature>([](const Node& own, const Object&) {
                  return shape::PointFeature::Options{
                      rest_points(own, "One point of the rest shape, in O", 1)[0], components(own)};
                }))
           .add("points", "Positions of several points",
-               on_mesh<PointsFeature>([](const Node& own, const Mesh& mesh) {
-                 return PointsFeature::Options{set_of_points(own, mesh)};
+               on_mesh<PointsFeature>([](const Node& own, const Object& object) {
+                 return PointsFeature::Options{set_of_points(own, object)};
                }))
           .add("pose", "Pose of a part of the object, from three points",
-               on_mesh<shape::PoseFeature>([](const Node& own, const Mesh&) {
+               on_mesh<shape::PoseFeature>([](const Node& own, const Object&) {
                  const Points points = rest_points(
                      own, "Three points of the rest shape, in O; the first is the position", 3);
                  return shape::PoseFeature::Options{{points[0], points[1], points[2]}};
                }))
           .add("distance", "Distance between two points",
-               on_mesh<shape::DistanceFeature>([](const Node& own, const Mesh&) {
+               on_mesh<shape::DistanceFeature>([](const Node& own, const Object&) {
                  return shape::DistanceFeature::Options{
                      rest_points(own, "Two points of the rest shape, in O")};
                }))
           .add("angle", "Angle at a point or between two directions",
-               on_mesh<shape::AngleFeature>([](const Node& own, const Mesh&) {
+               on_mesh<shape::AngleFeature>([](const Node& own, const Object&) {
                  return shape::AngleFeature::Options{
                      rest_points(own,
                                  "Points of the rest shape, in O: 3, the second is the corner, or "
@@ -99,13 +109,13 @@ std::unique_ptr<shape::Feature> make_feature(const Node& node, const Context& co
                      axis(own)};
                }))
           .add("curvature", "Curvature of a line",
-               on_mesh<shape::CurvatureFeature>([](const Node& own, const Mesh&) {
+               on_mesh<shape::CurvatureFeature>([](const Node& own, const Object&) {
                  return shape::CurvatureFeature::Options{
                      rest_points(own, "Points of the rest shape, in O: 3 or 5 along the line"),
                      axis(own)};
                }))
           .add("fourier_contour", "Fourier coefficients of a contour",
-               on_mesh<FourierContourFeature>([](const Node& own, const Mesh&) {
+               on_mesh<FourierContourFeature>([](const Node& own, const Object&) {
                  auto options = own.read(
                      config::OptionTable<FourierContourFeature::Options>()
                          .integer("harmonics",

@@ -104,6 +104,14 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::MeshW
   grasp.nodes = read_part(object, prefix + "grasp", source, mesh, remarks);
   const std::vector<int> found = read_numbered_nodes(object, prefix + "grasp", mesh);
   if (!found.empty()) grasp.nodes = found;
+  std::vector<int> nodes = grasp.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  check_overlap(object, prefix + "grasp", nodes, "fixed", solid.body.fixed_nodes);
+  if (!solid.body.grasps.empty()) {
+    std::vector<int> others = solid.body.grasps[0].nodes;
+    std::sort(others.begin(), others.end());
+    check_overlap(object, prefix + "grasp", nodes, "grasp", others);
+  }
   if (object.has(prefix + "grasp_at_rest")) {
     grasp.X_OG_rest = object.pose(
         {prefix + "grasp_at_rest", "m", "X_OG at rest; absent: the centre of the held nodes"});
@@ -178,6 +186,7 @@ Object read_object(const config::Node& root, const Frames& frames,
           {"linear", "quadratic"}, "quadratic") == "quadratic";
   const mesh::MeshWithGroups source = read_mesh(node, is_quadratic);
   object.corners = source.mesh;
+  object.groups = source.groups;
   object.hash = mesh::hash(object.corners);
   elasticity::Body& body = object.body;
   body.mesh = mesh::make_element_mesh(
@@ -190,7 +199,8 @@ Object read_object(const config::Node& root, const Frames& frames,
   object.jaws = {read_jaws(node, "grasp_jaws"), read_jaws(node, "second_grasp_jaws")};
   if (has_part(node, "grasp")) body.grasps.push_back(read_grasp(node, source, object, "", remarks));
   if (has_part(node, "second_grasp")) {
-    if (body.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
+    if (body.grasps.empty())
+      node.fail("second_grasp_box", "needs a grasp_box or grasp_group as well");
     body.grasps.push_back(read_grasp(node, source, object, "second_", remarks));
   }
   if ((body.grasps.size() > 1) != root.has("second_arm"))

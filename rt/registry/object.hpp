@@ -10,6 +10,7 @@
 #include "rt/registry/box.hpp"
 #include "rt/registry/frames.hpp"
 #include "rt/registry/obstacles.hpp"
+#include "rt/registry/regions.hpp"
 
 namespace palpate::registry {
 
@@ -17,6 +18,7 @@ namespace palpate::registry {
 struct Object {
   mesh::TetrahedralMesh corners;  // linear mesh, whose nodes come first in the body's
   std::int64_t hash = 0;
+  MeshGroups groups;  // of the mesh file
   elasticity::Body body;
   mesh::Surface surface;
   std::vector<ConfiguredObstacle> obstacles;  // which it may meet, in O

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "core/mesh/surface.hpp"
@@ -18,16 +19,16 @@ Box read_box(const config::Node& object, const std::string& key) {
   return object.child({key, "", nodes_are}).read(box_options("in O at rest"));
 }
 
-const mesh::MeshGroup& read_group(const config::Node& node, const config::Key& key,
-                                  const mesh::MeshWithGroups& source) {
-  const std::string name = node.text(key);
-  const auto found = source.groups.find(name);
-  if (found != source.groups.end()) return found->second;
+/// Names of the groups for which `is_usable` holds.
+template <class IsUsable>
+std::string names_of(const MeshGroups& groups, const IsUsable& is_usable) {
   std::string names;
-  for (const auto& [other, group] : source.groups) names += (names.empty() ? "" : ", ") + other;
-  node.fail(key.name, "the mesh has no group '" + name + "'; allowed: " +
-                          (names.empty() ? "none, the mesh has no groups" : names));
+  for (const auto& [name, group] : groups)
+    if (is_usable(group)) names += (names.empty() ? "" : ", ") + name;
+  return names.empty() ? "none, the mesh has no such groups" : names;
 }
+
+bool has_tetrahedra(const mesh::MeshGroup& group) { return !group.tetrahedra.empty(); }
 
 /// Nodes of a group in the mesh of elements: its corners, and the nodes between two of them on its
 /// edges.
@@ -119,6 +120,15 @@ std::vector<int> elements_in(const Box& box, const mesh::ElementMesh& mesh) {
 
 }  // namespace
 
+const mesh::MeshGroup& read_group(const config::Node& node, const config::Key& key,
+                                  const MeshGroups& groups) {
+  const std::string name = node.text(key);
+  const auto found = groups.find(name);
+  if (found != groups.end()) return found->second;
+  node.fail(key.name, "the mesh has no group '" + name + "'; allowed: " +
+                          names_of(groups, [](const mesh::MeshGroup&) { return true; }));
+}
+
 bool has_part(const config::Node& object, const std::string& name) {
   return object.has(name + "_box") || object.has(name + "_group");
 }
@@ -158,7 +168,7 @@ std::vector<int> read_part(const config::Node& object, const std::string& name,
         read_group(object,
                    {group_key, "",
                     "Instead of the box: named group of the mesh file, of triangles or tetrahedra"},
-                   source),
+                   source.groups),
         source.mesh, mesh);
     if (nodes.empty()) object.fail(group_key, "this group of the mesh holds no node");
     return nodes;
@@ -169,6 +179,22 @@ std::vector<int> read_part(const config::Node& object, const std::string& name,
   if (nodes.empty()) object.fail(box_key, "no node of the mesh lies in this box");
   if (remarks != nullptr) remark_on_bounds(box_key, mesh, box, nodes, *remarks);
   return nodes;
+}
+
+void check_overlap(const config::Node& object, const std::string& name,
+                   const std::vector<int>& nodes, const std::string& other,
+                   const std::vector<int>& others) {
+  std::vector<int> shared;
+  std::set_intersection(nodes.begin(), nodes.end(), others.begin(), others.end(),
+                        std::back_inserter(shared));
+  if (shared.empty()) return;
+  const auto key = [&object](const std::string& part) {
+    return part + (object.has(part + "_nodes")   ? "_nodes"
+                   : object.has(part + "_group") ? "_group"
+                                                 : "_box");
+  };
+  object.fail(key(name), std::to_string(shared.size()) + " of its " + std::to_string(nodes.size()) +
+                             " nodes are held twice: they belong to " + key(other) + " as well");
 }
 
 void read_stiffness_regions(const config::Node& material, const mesh::MeshWithGroups& source,
@@ -188,9 +214,12 @@ void read_stiffness_regions(const config::Node& material, const mesh::MeshWithGr
                                  .read(box_options("in O at rest")),
                              body.mesh);
     else
-      elements =
-          read_group(region, {"group", "", "Named group of tetrahedra of the mesh file"}, source)
-              .tetrahedra;
+      elements = read_group(region, {"group", "", "Named group of tetrahedra of the mesh file"},
+                            source.groups)
+                     .tetrahedra;
+    if (elements.empty() && region.has("group"))
+      region.fail("group", "this group of the mesh holds no tetrahedra; allowed: " +
+                               names_of(source.groups, has_tetrahedra));
     if (elements.empty()) region.fail("", "holds no element of the mesh");
     const double young_modulus = read_modulus(region, body.material.young_modulus);
     body.element_materials.resize(static_cast<std::size_t>(body.mesh.element_count()),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,13 @@ namespace palpate::registry {
 // mesh file.
 
 constexpr double kSmallShare = 0.02;  // of the body's extent, between a bound and a row of nodes
+
+using MeshGroups = std::map<std::string, mesh::MeshGroup>;
+
+/// The group that the text `key` of `node` names. Throws config::Error, with the names of all
+/// groups, if there is none.
+const mesh::MeshGroup& read_group(const config::Node& node, const config::Key& key,
+                                  const MeshGroups& groups);
 
 /// Whether section `object` has the part `name`: "fixed", "grasp" or "second_grasp".
 bool has_part(const config::Node& object, const std::string& name);
@@ -32,6 +40,11 @@ std::vector<int> read_part(const config::Node& object, const std::string& name,
 /// if the key is not there. Throws config::Error.
 std::vector<int> read_numbered_nodes(const config::Node& object, const std::string& name,
                                      const mesh::ElementMesh& mesh);
+
+/// Throws config::Error if part `name` holds nodes of part `other`; both lists ascend.
+void check_overlap(const config::Node& object, const std::string& name,
+                   const std::vector<int>& nodes, const std::string& other,
+                   const std::vector<int>& others);
 
 /// Sets the materials of the elements from the list `regions` of section `material`: parts of
 /// another stiffness, of which the last one counts where they overlap. Throws config::Error.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/mesh/surface.hpp"
 #include "core/shape/angle_feature.hpp"
 #include "core/shape/curvature_feature.hpp"
 #include "core/shape/fourier_contour_feature.hpp"
@@ -372,6 +373,27 @@ TEST(SurfacePoints, AreSpreadOverTheWholeSurface) {
   EXPECT_TRUE(std::equal(fewer.begin(), fewer.end(), points.begin()));
   // 7 x 3 x 3 corner nodes, 5 of them inside.
   EXPECT_EQ(surface_points(mesh, 1000).size(), 58u);
+}
+
+TEST(SurfacePoints, AreSpreadOverAPartOfTheSurface) {
+  const mesh::ElementMesh mesh = bar(kQuadratic);
+  const Eigen::Matrix3Xi whole = mesh::extract_surface(mesh).triangles;
+  std::vector<int> top;
+  for (int t = 0; t < whole.cols(); ++t) {
+    bool is_top = true;
+    for (const int n : whole.col(t)) is_top = is_top && mesh.nodes(2, n) == 0.06;
+    if (is_top) top.push_back(t);
+  }
+  const Eigen::Matrix3Xi part = whole(Eigen::all, top);
+  // 7 x 3 corner nodes.
+  const Points points = surface_points(mesh, part, 1000);
+  EXPECT_EQ(points.size(), 21u);
+  for (const Vector3d& p : points) EXPECT_EQ(p.z(), 0.06);
+  const Points two = surface_points(mesh, part, 2);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0], Vector3d(0, 0, 0.06));
+  EXPECT_EQ(two[1], Vector3d(0.5, 0.06, 0.06));
+  EXPECT_EQ(surface_points(mesh, whole, 40), surface_points(mesh, 40));
 }
 
 }  // namespace

@@ -60,6 +60,26 @@ TEST_F(FeatureRegistry, BuildsEachKind) {
   }
 }
 
+TEST_F(FeatureRegistry, SpreadsPointsOverAGroupOfTheMesh) {
+  const Eigen::Matrix3Xi whole = mesh::extract_surface(object_.body.mesh).triangles;
+  object_.groups["face"].triangles = whole.leftCols(1);
+  object_.groups["core"].tetrahedra = {0};
+  const auto feature = make("{component: points, surface: 20, surface_group: face}");
+  EXPECT_EQ(feature->dimension(), 9) << "the three corners of one triangle";
+  for (const Eigen::Vector3d& p : feature->rest_points()) {
+    double nearest = 1;
+    for (const int n : whole.col(0))
+      nearest = std::min(nearest, (p - object_.body.mesh.nodes.col(n)).norm());
+    EXPECT_LT(nearest, 1e-12);
+  }
+  EXPECT_NE(refusal("{component: points, surface: 9, surface_group: faces}")
+                .find("no group 'faces'; allowed: core, face"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal("{component: points, surface: 9, surface_group: core}").find("holds no triangles"),
+      std::string::npos);
+}
+
 TEST_F(FeatureRegistry, SaysWhyAFeatureCannotBe) {
   const std::string straight = kStraight;
   EXPECT_NE(refusal("{component: angle, " + straight + "}").find("an axis"), std::string::npos);

@@ -142,14 +142,32 @@ TEST_F(Regions, FaultsAreReportedWithTheirKey) {
   says(message, "object.grasp_group");
   says(message, "is given as well as grasp_box");
   message = failure(kBoxes, "[{group: gripper, young_modulus: 90e3}]");
-  says(message, "holds no element of the mesh");
+  says(message, "object.material.regions.0.group");
+  says(message, "holds no tetrahedra; allowed: end, hard half");
+  says(failure(kBoxes, "[{box: {lower: [9, 9, 9], upper: [10, 10, 10]}, factor: 2}]"),
+       "holds no element of the mesh");
   message = failure(kBoxes, "[{young_modulus: 90e3}]");
   says(message, "exactly one of box and group");
   message = failure(kBoxes, "[{group: end, young_modulus: 0}]");
   says(message, "object.material.regions.0.young_modulus");
   says(failure(kBoxes, "[{group: end, young_modulus: 1e3, factor: 2}]"),
        "exactly one of young_modulus and factor");
-  says(failure("  second_grasp_group: gripper\n"), "needs a grasp_box as well");
+  says(failure("  second_grasp_group: gripper\n"), "needs a grasp_box or grasp_group as well");
+  says(failure("  fixed_group: ends\n"), "allowed: clamp, end, gripper, hard half");
+}
+
+TEST_F(Regions, APlaceThatIsHeldTwiceIsNamed) {
+  // The last layer of cells holds the far end: 2 x 2 cells have 9 corners and 16 midside nodes.
+  const std::string message = failure("  fixed_group: end\n  grasp_group: gripper\n");
+  EXPECT_NE(message.find("object.grasp_group: 25 of its 25 nodes are held twice: they belong to "
+                         "fixed_group as well"),
+            std::string::npos)
+      << message;
+  const std::string boxes = failure(
+      "  fixed_box: {lower: [0, 0, 0], upper: [0.1, 1, 1]}\n"
+      "  grasp_box: {lower: [0.1, 0, 0], upper: [0.4, 1, 1]}\n");
+  EXPECT_NE(boxes.find("object.grasp_box: 25 of its"), std::string::npos) << boxes;
+  EXPECT_NE(boxes.find("they belong to fixed_box as well"), std::string::npos) << boxes;
 }
 
 }  // namespace
