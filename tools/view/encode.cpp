@@ -1,7 +1,6 @@
 #include "tools/view/encode.hpp"
 
 #include <cmath>
-#include <cstring>
 #include <set>
 
 #include "rt/bus/text.hpp"
@@ -25,55 +24,17 @@ json numbers(const Number* x, int count) {
 
 }  // namespace
 
-void Parcel::append(const std::string& name, const char* type, const void* data,
-                    std::size_t count) {
-  head_["arrays"].push_back({{"name", name}, {"type", type}, {"count", count}});
-  arrays_.emplace_back(static_cast<const char*>(data), 4 * count);
-}
-
-void Parcel::add(const std::string& name, const std::vector<float>& values) {
-  append(name, "f32", values.data(), values.size());
-}
-
-void Parcel::add(const std::string& name, const std::vector<std::int32_t>& values) {
-  append(name, "i32", values.data(), values.size());
-}
-
-std::string Parcel::finish() {
-  std::string text = dump(head_);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const auto length = static_cast<std::uint32_t>(text.size());
-  std::string whole(4, '\0');
-  // x86-64 and all browsers' machines are little-endian.
-  std::memcpy(whole.data(), &length, 4);
-  std::size_t size = 4 + text.size();
-  for (const std::string_view array : arrays_) size += array.size();
-  whole.reserve(size);
-  whole += text;
-  for (const std::string_view array : arrays_) whole += array;
-  return whole;
-}
-
-std::string dump(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-std::string hash_text(std::int64_t hash) {
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
-  return text;
-}
-
 std::string encode_mesh(const char* role, const shape_mesh_t& mesh) {
   std::set<std::int32_t> middles;  // of the edges of quadratic tetrahedra
   for (std::size_t i = 0; mesh.element_size == 10 && i < mesh.elements.size(); ++i)
     if (i % 10 >= 4) middles.insert(mesh.elements[i]);
   const std::vector<std::int32_t> middle_list(middles.begin(), middles.end());
-  Parcel parcel({{"type", "mesh"},
-                 {"role", role},
-                 {"hash", hash_text(mesh.mesh_hash)},
-                 {"nodes", mesh.node_count},
-                 {"elements", mesh.elements.size() / static_cast<std::size_t>(mesh.element_size)}});
+  serve::Parcel parcel(
+      {{"type", "mesh"},
+       {"role", role},
+       {"hash", serve::hash_text(mesh.mesh_hash)},
+       {"nodes", mesh.node_count},
+       {"elements", mesh.elements.size() / static_cast<std::size_t>(mesh.element_size)}});
   parcel.add("rest", mesh.rest_xyz);
   parcel.add("triangles", mesh.triangles);
   parcel.add("constrained", mesh.constrained);
@@ -88,7 +49,7 @@ json to_json(const biotac_t& b) {
           {"tac", b.tac},
           {"tdc", b.tdc},
           {"seq", b.seq},
-          {"session", hash_text(b.session)}};
+          {"session", serve::hash_text(b.session)}};
 }
 
 json to_json(const contacts_t& contacts) {

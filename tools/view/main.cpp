@@ -8,12 +8,13 @@
 #include <thread>
 
 #include "tools/common/program.hpp"
-#include "tools/view/server.hpp"
+#include "tools/view/viewer.hpp"
 
 namespace {
 
 namespace bus = palpate::bus;
 namespace client = palpate::client;
+namespace serve = palpate::serve;
 namespace view = palpate::view;
 
 struct Options {
@@ -25,7 +26,7 @@ struct Options {
   bool control = false;
   double max_force = 5;
   double log_rate = 1;
-  view::Server::Options server;
+  serve::Server::Options server;
 };
 
 constexpr const char* kExamples = R"(
@@ -108,7 +109,7 @@ std::unique_ptr<view::LogSource> open_log(const Options& options) {
   return log;
 }
 
-void print_address(const Options& options, int port, const view::Token& token) {
+void print_address(const Options& options, int port, const serve::Token& token) {
   const bool v6 = options.server.address.find(':') != std::string::npos;
   const std::string host = options.server.address == "0.0.0.0" ? "127.0.0.1"
                            : options.server.address == "::"    ? "[::1]"
@@ -125,7 +126,7 @@ void print_address(const Options& options, int port, const view::Token& token) {
   std::fflush(stdout);
 }
 
-void print_counters(const view::ServerCounters& c) {
+void print_counters(const serve::ServerCounters& c) {
   std::printf(
       "%lld requests (%lld refused), %lld frames (%lld left out for slow pages), %.1f MB, "
       "%.2f s of processor time\n",
@@ -139,7 +140,7 @@ int run(Options& options) {
   boost::asio::io_context signals;
   boost::asio::signal_set ending(signals, SIGINT, SIGTERM);
 
-  const view::Assets assets(options.three);
+  const serve::Assets assets(view::page_files(), options.three);
   view::Viewer::Options viewer_options;
   viewer_options.control = options.control;
   viewer_options.max_force = options.max_force;
@@ -147,8 +148,8 @@ int run(Options& options) {
   if (!options.configuration.empty())
     viewer_options.cell =
         view::Cell::read(options.configuration, options.overrides, options.urdf, options.flange);
-  const view::Token token =
-      options.token_file.empty() ? view::Token() : view::Token(options.token_file);
+  const serve::Token token =
+      options.token_file.empty() ? serve::Token() : serve::Token(options.token_file);
   view::Viewer viewer(viewer_options, token);
 
   std::unique_ptr<bus::MessageBus> control, housekeeping;
@@ -167,7 +168,7 @@ int run(Options& options) {
     viewer.command_by(std::make_unique<client::Client>(*control, *housekeeping, access));
     housekeeping->start_without_thread();
   }
-  view::Server server(options.server, assets, viewer);
+  serve::Server server(options.server, assets, viewer);
   print_address(options, server.port(), token);
   std::thread serving([&] { server.run(); });
   ending.async_wait([](const boost::system::error_code&, int) {});

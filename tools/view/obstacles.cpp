@@ -76,13 +76,13 @@ ObstaclePlace place_of(const drawing::ObstacleDrawing& obstacle, const Scene& sc
 
 std::string encode_obstacle(int index, const drawing::ObstacleDrawing& obstacle) {
   const Eigen::Vector3d& size = obstacle.size;
-  Parcel parcel({{"type", "obstacle"},
-                 {"index", index},
-                 {"name", obstacle.name},
-                 {"kind", obstacle.kind},
-                 {"size", {size.x(), size.y(), size.z()}},
-                 {"carrier", name_of(obstacle.carrier.kind)},
-                 {"timeout_ms", 1e3 * obstacle.carrier.timeout}});
+  serve::Parcel parcel({{"type", "obstacle"},
+                        {"index", index},
+                        {"name", obstacle.name},
+                        {"kind", obstacle.kind},
+                        {"size", {size.x(), size.y(), size.z()}},
+                        {"carrier", name_of(obstacle.carrier.kind)},
+                        {"timeout_ms", 1e3 * obstacle.carrier.timeout}});
   std::vector<float> points;
   std::vector<std::int32_t> triangles;
   for (const double x : obstacle.surface.points.reshaped()) points.push_back(static_cast<float>(x));

@@ -129,7 +129,7 @@ json History::to_json(std::int64_t now_us) const {
   return out;
 }
 
-Viewer::Viewer(Options options, Token token)
+Viewer::Viewer(Options options, serve::Token token)
     : options_(std::move(options)), token_(std::move(token)), rate_(options_.rate) {}
 
 void Viewer::show_live(std::unique_ptr<LiveSource> source) { live_ = std::move(source); }
@@ -238,10 +238,10 @@ std::string Viewer::greeting(std::int64_t now_us) const {
                      {"quaternion", list_of(Eigen::Quaterniond(X_OW.linear()).coeffs())}};
   }
   if (log_) hello["log"] = describe_log(*log_);
-  return dump(hello);
+  return serve::dump(hello);
 }
 
-void Viewer::add_meshes(Client& client, Delivery& delivery) const {
+void Viewer::add_meshes(ViewerClient& client, serve::Delivery& delivery) const {
   const auto add = [&](const Painted& painted, const char* role, std::int64_t& sent) {
     if (!painted.evaluator || sent == painted.hash) return;
     delivery.parcels.push_back(
@@ -252,7 +252,7 @@ void Viewer::add_meshes(Client& client, Delivery& delivery) const {
   add(truth_, "truth", client.truth_mesh);
 }
 
-void Viewer::add_obstacles(Client& client, Delivery& delivery) const {
+void Viewer::add_obstacles(ViewerClient& client, serve::Delivery& delivery) const {
   if (client.has_obstacles) return;
   client.has_obstacles = true;
   const std::vector<drawing::ObstacleDrawing>& obstacles = options_.cell.obstacles;
@@ -261,8 +261,9 @@ void Viewer::add_obstacles(Client& client, Delivery& delivery) const {
         std::make_shared<const std::string>(encode_obstacle(static_cast<int>(i), obstacles[i])));
 }
 
-Delivery Viewer::deliver(Client& client, std::int64_t now_us) {
-  Delivery delivery;
+serve::Delivery Viewer::deliver(serve::Client& page, std::int64_t now_us) {
+  auto& client = static_cast<ViewerClient&>(page);
+  serve::Delivery delivery;
   json events = json::array();
   for (const NumberedEvent& event : scene_.events())
     if (event.number > client.events) events.push_back(to_json(event));
@@ -270,7 +271,8 @@ Delivery Viewer::deliver(Client& client, std::int64_t now_us) {
   client.generation = scene_.generation();
   if (!events.empty()) client.events = scene_.events().back().number;
   if (!events.empty() || reset)
-    delivery.texts.push_back(dump({{"type", "events"}, {"reset", reset}, {"events", events}}));
+    delivery.texts.push_back(
+        serve::dump({{"type", "events"}, {"reset", reset}, {"events", events}}));
   add_meshes(client, delivery);
   add_obstacles(client, delivery);
   delivery.frame = frames_;
@@ -346,14 +348,14 @@ std::string Viewer::frame(Field field, bool with_health, std::int64_t now_us) {
   const bool has_truth =
       truth && truth_.evaluator && truth->node_count == truth_.evaluator->mesh().node_count;
   head["field"] = name(field);
-  if (has_shape) head["mesh"] = hash_text(estimate_.hash);
-  if (has_truth) head["truth_mesh"] = hash_text(truth_.hash);
+  if (has_shape) head["mesh"] = serve::hash_text(estimate_.hash);
+  if (has_truth) head["truth_mesh"] = serve::hash_text(truth_.hash);
   const Cell& cell = options_.cell;
   std::vector<float> obstacle_poses;  // until the parcel is finished, as all arrays
   if (cell.X_WO && !cell.obstacles.empty())
     head["obstacles"] =
         describe_places(cell.obstacles, *cell.X_WO, scene_, head["time_us"], obstacle_poses);
-  Parcel parcel(std::move(head));
+  serve::Parcel parcel(std::move(head));
   if (has_shape) {
     parcel.add("x", shape->xyz);
     if (const auto* values = paint(estimate_, *shape, field)) parcel.add("values", *values);

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <deque>
-#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -10,7 +9,8 @@
 #include <vector>
 
 #include "rt/client/client.hpp"
-#include "tools/view/access.hpp"
+#include "tools/serve/access.hpp"
+#include "tools/serve/server.hpp"
 #include "tools/view/cell.hpp"
 #include "tools/view/encode.hpp"
 #include "tools/view/live_source.hpp"
@@ -20,25 +20,16 @@
 
 namespace palpate::view {
 
+/// Files of tools/view/page, by name: embedded at build time.
+const serve::Assets::Files& page_files();
+
 /// A connected page, as the viewer knows it.
-struct Client {
-  std::function<void(std::string)> send_text;
-  bool may_control = false;
-  int wrong_tokens = 0;
+struct ViewerClient : serve::Client {
   Field field = Field::kDisplacement;
   std::int64_t mesh = 0, truth_mesh = 0;  // hashes of the meshes that it has, 0: none
   bool has_obstacles = false;             // their shapes
   std::int64_t events = 0;                // number of its last event
-  std::int64_t generation = 0;            // of the scene to which they belong
   std::int64_t health = -1;               // number of HEALTH messages that it has
-  std::int64_t acknowledged = 0;          // frame
-};
-
-/// Data that may be sent to a page at once.
-struct Delivery {
-  std::vector<std::string> texts;
-  std::vector<std::shared_ptr<const std::string>> parcels;  // meshes and obstacles, then the frame
-  std::int64_t frame = 0;                                   // its number
 };
 
 /// The last two minutes of the plotted values, which a newly connected page receives first.
@@ -61,8 +52,8 @@ class History {
 };
 
 /// Holds the data to be shown, and turns it into messages for pages and their requests into
-/// commands. Independent of sockets. For one thread.
-class Viewer {
+/// commands.
+class Viewer : public serve::Content {
  public:
   struct Options {
     bool control = false;  // whether a page with the token may give commands
@@ -70,7 +61,7 @@ class Viewer {
     double rate = 1;       // of a log, at the start
     Cell cell;
   };
-  Viewer(Options options, Token token);
+  Viewer(Options options, serve::Token token);
 
   // One of the two.
   void show_live(std::unique_ptr<LiveSource> source);
@@ -78,20 +69,18 @@ class Viewer {
   /// Live and with `control`: the destination of commands.
   void command_by(std::unique_ptr<client::Client> daemon) { daemon_ = std::move(daemon); }
 
-  /// Receives, or plays on. `now_us`: wall clock, here and below.
-  void advance(std::int64_t now_us);
-  /// Call before deliver() for all clients.
-  void prepare(std::int64_t now_us);
-
-  /// First message to a new page.
-  std::string greeting(std::int64_t now_us) const;
-  /// New data for the client.
-  Delivery deliver(Client& client, std::int64_t now_us);
-  /// Handles a page's message. False: disconnect the page.
-  bool receive(const std::shared_ptr<Client>& client, const std::string& text, std::int64_t now_us);
+  std::shared_ptr<serve::Client> make_client() const override {
+    return std::make_shared<ViewerClient>();
+  }
+  void advance(std::int64_t now_us) override;
+  void prepare(std::int64_t now_us) override;
+  std::string greeting(std::int64_t now_us) const override;
+  serve::Delivery deliver(serve::Client& client, std::int64_t now_us) override;
+  bool receive(const std::shared_ptr<serve::Client>& client, const std::string& text,
+               std::int64_t now_us) override;
 
   const Scene& scene() const { return scene_; }
-  const Token& token() const { return token_; }
+  const serve::Token& token() const { return token_; }
 
  private:
   struct Painted {
@@ -103,18 +92,19 @@ class Viewer {
 
   void repaint(Painted& painted, const shape_t* shape);
   const std::vector<float>* paint(Painted& painted, const shape_t& shape, Field field);
-  void add_meshes(Client& client, Delivery& delivery) const;
-  void add_obstacles(Client& client, Delivery& delivery) const;
+  void add_meshes(ViewerClient& client, serve::Delivery& delivery) const;
+  void add_obstacles(ViewerClient& client, serve::Delivery& delivery) const;
   std::string frame(Field field, bool with_health, std::int64_t now_us);
   nlohmann::json state(bool with_health, std::int64_t now_us) const;
-  void grant(Client& client, const TakeControl& request);
-  bool carry_out(const std::shared_ptr<Client>& client, const Request& request,
+  void grant(serve::Client& client, const TakeControl& request);
+  bool carry_out(const std::shared_ptr<serve::Client>& client, const Request& request,
                  std::int64_t now_us);
-  client::Client::OnAnswer answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const;
+  client::Client::OnAnswer answer_to(const std::shared_ptr<serve::Client>& client,
+                                     std::int64_t id) const;
   void play(const Play& request);
 
   Options options_;
-  Token token_;
+  serve::Token token_;
   Scene scene_;
   History history_;
   std::unique_ptr<LiveSource> live_;

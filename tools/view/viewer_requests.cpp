@@ -6,13 +6,7 @@ namespace palpate::view {
 
 using nlohmann::json;
 
-namespace {
-
-constexpr int kMostWrongTokens = 3;
-
-}  // namespace
-
-bool Viewer::receive(const std::shared_ptr<Client>& client, const std::string& text,
+bool Viewer::receive(const std::shared_ptr<serve::Client>& client, const std::string& text,
                      std::int64_t now_us) {
   try {
     const Request request = parse_request(text, options_.max_force);
@@ -21,20 +15,20 @@ bool Viewer::receive(const std::shared_ptr<Client>& client, const std::string& t
                                           : "palpate-view runs without --control: reading only");
     return carry_out(client, request, now_us);
   } catch (const RequestError& error) {
-    client->send_text(dump({{"type", "error"}, {"reason", error.what()}}));
+    client->send_text(serve::dump({{"type", "error"}, {"reason", error.what()}}));
     return true;
   }
 }
 
-bool Viewer::carry_out(const std::shared_ptr<Client>& client, const Request& request,
+bool Viewer::carry_out(const std::shared_ptr<serve::Client>& client, const Request& request,
                        std::int64_t now_us) {
   if (const auto* r = std::get_if<Acknowledge>(&request)) {
     client->acknowledged = std::max(client->acknowledged, std::min(r->frame, frames_));
   } else if (const auto* colour = std::get_if<ColourBy>(&request)) {
-    client->field = colour->field;
+    static_cast<ViewerClient&>(*client).field = colour->field;
   } else if (const auto* take = std::get_if<TakeControl>(&request)) {
     grant(*client, *take);
-    return client->wrong_tokens < kMostWrongTokens;
+    return client->wrong_tokens < serve::kMostWrongTokens;
   } else if (const auto* command = std::get_if<Command>(&request)) {
     daemon_->ask(command->message, now_us, answer_to(client, command->id));
   } else if (const auto* target = std::get_if<SetTarget>(&request)) {
@@ -50,27 +44,27 @@ bool Viewer::carry_out(const std::shared_ptr<Client>& client, const Request& req
   return true;
 }
 
-void Viewer::grant(Client& client, const TakeControl& request) {
+void Viewer::grant(serve::Client& client, const TakeControl& request) {
   const bool right = options_.control && daemon_ && token_.is(request.token);
   client.may_control = right;
   if (options_.control && !right) ++client.wrong_tokens;
   const char* reason = right              ? ""
                        : options_.control ? "wrong token"
                                           : "palpate-view runs without --control";
-  client.send_text(dump({{"type", "control"}, {"granted", right}, {"reason", reason}}));
+  client.send_text(serve::dump({{"type", "control"}, {"granted", right}, {"reason", reason}}));
 }
 
-client::Client::OnAnswer Viewer::answer_to(const std::shared_ptr<Client>& client,
+client::Client::OnAnswer Viewer::answer_to(const std::shared_ptr<serve::Client>& client,
                                            std::int64_t id) const {
   // The page may have disconnected by then.
-  return [weak = std::weak_ptr<Client>(client), id](const client::Answer& answer) {
+  return [weak = std::weak_ptr<serve::Client>(client), id](const client::Answer& answer) {
     const auto to = weak.lock();
     if (!to || !to->send_text) return;
-    to->send_text(dump({{"type", "answer"},
-                        {"id", id},
-                        {"event", answer.event},
-                        {"reason", answer.reason},
-                        {"last", answer.last}}));
+    to->send_text(serve::dump({{"type", "answer"},
+                               {"id", id},
+                               {"event", answer.event},
+                               {"reason", answer.reason},
+                               {"last", answer.last}}));
   };
 }
 

@@ -175,7 +175,8 @@ class Tasks(unittest.TestCase):
         self.assertTrue(any(name.endswith(".js") for name in named))
         copy = Copy(self.path, named)
         page = self.path / "tools/view/page_files.cpp"
-        run(["cmake", f"-DOUTPUT={page}", f"-DFOLDER={self.path}/tools/view/page", "-P", ROOT / "tools/view/embed.cmake"])
+        run(["cmake", f"-DOUTPUT={page}", f"-DFOLDER={self.path}/tools/view/page", "-DHEADER=tools/view/viewer.hpp",
+             "-DFUNCTION=palpate::view::page_files", "-P", ROOT / "tools/serve/embed.cmake"])
         objects = copy.compile("palpate_view", "tools/view", whole=True)
         tests = copy.compile("unit_tools_view", "tests/unit/tools/view")
         self.assertTrue(tests)

@@ -2,16 +2,6 @@
 
 const byId = (id) => document.getElementById(id);
 
-/** The token from the address, from which it is then removed. */
-export function takeToken() {
-  const found = /[#&]token=([0-9a-f]+)/i.exec(location.hash);
-  if (found) {
-    sessionStorage.setItem('token', found[1]);
-    history.replaceState(null, '', location.pathname + location.search);
-  }
-  return sessionStorage.getItem('token');
-}
-
 export class Control {
   constructor(send) {
     this.send = send;

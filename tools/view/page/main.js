@@ -3,10 +3,10 @@
 import {Arrows, FeatureMarks, placesOf} from './arrows.js';
 import {COLOURS, FIELDS} from './colours.js';
 import {Consistency} from './consistency.js';
-import {Control, takeToken} from './control.js';
+import {Control} from './control.js';
 import {Fingertips} from './fingertips.js';
 import {Legend} from './legend.js';
-import {Link} from './link.js';
+import {Link, takeToken} from './link.js';
 import {Obstacles} from './obstacles.js';
 import {Pace} from './pace.js';
 import {Panels, fixed, unitOf} from './panels.js';

@@ -163,8 +163,8 @@ TEST(Obstacles, AreSentToAPageOnceAndTheirPlacesInEachFrame) {
   options.cell.obstacles = read(
       "  - {name: table, shape: half_space, pose: {position: [1, 0, 0.3]}}\n"
       "  - {name: lid, shape: half_space, moved: true}\n");
-  Viewer viewer(options, Token());
-  Client client;
+  Viewer viewer(options, serve::Token());
+  ViewerClient client;
   viewer.prepare(1);
   const Delivery first = viewer.deliver(client, 1);
   ASSERT_EQ(first.parcels.size(), 3U);

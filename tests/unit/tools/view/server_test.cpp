@@ -1,4 +1,4 @@
-#include "tools/view/server.hpp"
+#include "tools/serve/server.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +16,7 @@
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/view/shapes.hpp"
 #include "tools/log/event_log.hpp"
+#include "tools/view/viewer.hpp"
 
 namespace palpate::view {
 namespace {
@@ -50,10 +51,10 @@ class ServerTest : public ::testing::Test {
     viewer_->show_log(std::make_unique<LogSource>(
         std::vector<std::string>{path_}, [](const std::string&, double) {}, complaints));
     viewer_->command_by(std::make_unique<client::Client>(*bus_, *bus_));
-    Server::Options server;
+    serve::Server::Options server;
     server.port = 0;
     server.rate = 100;
-    server_ = std::make_unique<Server>(server, assets_, *viewer_);
+    server_ = std::make_unique<serve::Server>(server, assets_, *viewer_);
     thread_ = std::thread([this] { server_->run(); });
     host_ = "127.0.0.1:" + std::to_string(server_->port());
   }
@@ -136,12 +137,12 @@ class ServerTest : public ::testing::Test {
 
   support::ScratchFolder folder_;
   std::string path_ = (folder_.path() / "run.log").string(), host_;
-  Token token_;
-  Assets assets_{PALPATE_THREE_FOLDER};
+  serve::Token token_;
+  serve::Assets assets_{page_files(), PALPATE_THREE_FOLDER};
   std::shared_ptr<bus::MemoryHub> hub_ = bus::make_memory_hub();
   std::unique_ptr<bus::MessageBus> bus_ = bus::make_memory_bus(hub_);
   std::unique_ptr<Viewer> viewer_;
-  std::unique_ptr<Server> server_;
+  std::unique_ptr<serve::Server> server_;
   std::thread thread_;
   asio::io_context context_;
 };
@@ -282,7 +283,7 @@ TEST_F(ServerTest, CommandsNeedTheToken) {
     send(*socket, request);
     EXPECT_NE(next(*socket, "error")["reason"].get<std::string>().find("token"), std::string::npos);
   }
-  send(*socket, {{"type", "control"}, {"token", Token().text()}});
+  send(*socket, {{"type", "control"}, {"token", serve::Token().text()}});
   EXPECT_EQ(next(*socket, "control")["granted"], false);
   EXPECT_TRUE(published.empty());
   send(*socket, {{"type", "control"}, {"token", token_.text()}});
@@ -299,7 +300,8 @@ TEST_F(ServerTest, CommandsNeedTheToken) {
 TEST_F(ServerTest, WhoGuessesTokensIsSentAway) {
   serve(true);
   const auto socket = open();
-  for (int i = 0; i < 3; ++i) send(*socket, {{"type", "control"}, {"token", Token().text()}});
+  for (int i = 0; i < 3; ++i)
+    send(*socket, {{"type", "control"}, {"token", serve::Token().text()}});
   EXPECT_THROW(for (;;) next(*socket, "control"), boost::system::system_error);
 }
 

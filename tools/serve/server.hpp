@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/view/access.hpp"
-#include "tools/view/viewer.hpp"
+#include "tools/serve/access.hpp"
+#include "tools/serve/content.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 
 struct Asset {
   std::string type;  // MIME
@@ -21,9 +21,12 @@ struct Asset {
 /// name any other file.
 class Assets {
  public:
-  /// The page, which is embedded in the program, and three.js from the folder `three` of Debian's
-  /// libjs-three. Throws std::runtime_error with the remedy if that is missing.
-  explicit Assets(const std::string& three);
+  using Files = std::map<std::string, std::string>;
+
+  /// A page, `index.html` and others, with the scripts and styles that all pages share, which are
+  /// embedded in the program, and three.js from the folder `three` of Debian's libjs-three. Throws
+  /// std::runtime_error with the remedy if that is missing.
+  Assets(const Files& page, const std::string& three);
 
   /// nullptr if there is none; "/" is the page.
   const Asset* find(std::string_view path) const;
@@ -33,8 +36,8 @@ class Assets {
   std::map<std::string, Asset, std::less<>> assets_;
 };
 
-/// Files of tools/view/page, by name: embedded at build time.
-const std::map<std::string, std::string>& page_files();
+/// Files of tools/serve/page, by name: embedded at build time.
+const Assets::Files& shared_page_files();
 
 /// Statistics of the server.
 struct ServerCounters {
@@ -57,11 +60,11 @@ class Server {
     double rate = 30;                // frames per second, at most
   };
   /// Listens from here on. Throws std::runtime_error with the remedy on failure.
-  Server(const Options& options, const Assets& assets, Viewer& viewer);
+  Server(const Options& options, const Assets& assets, Content& content);
   ~Server();
 
   int port() const;
-  /// Serves until stop(). `viewer` and `assets` must outlive it.
+  /// Serves until stop(). `content` and `assets` must outlive it.
   void run();
   /// May be called from a signal handler's thread or any other.
   void stop();
@@ -72,4 +75,4 @@ class Server {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace palpate::view
+}  // namespace palpate::serve

@@ -1,6 +1,6 @@
-#include "tools/view/page.hpp"
+#include "tools/serve/page.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
@@ -13,7 +13,8 @@ constexpr std::size_t kMostUndrawn = 2;             // frames
 
 }  // namespace
 
-Page::Page(Room& room, beast::tcp_stream stream) : room_(room), socket_(std::move(stream)) {}
+Page::Page(Room& room, beast::tcp_stream stream)
+    : room_(room), socket_(std::move(stream)), client_(room.content.make_client()) {}
 
 void Page::begin(const Request& request) {
   beast::get_lowest_layer(socket_).expires_never();
@@ -34,7 +35,7 @@ void Page::begin(const Request& request) {
       if (const auto there = page.lock()) there->send_text(std::move(text));
     };
     self->room_.pages.insert(self);
-    self->send_text(self->room_.viewer.greeting(bus::wall_clock_us()));
+    self->send_text(self->room_.content.greeting(bus::wall_clock_us()));
     self->read();
   });
 }
@@ -45,7 +46,7 @@ void Page::read() {
     const bool text = self->socket_.got_text();
     const std::string said = beast::buffers_to_string(self->buffer_.data());
     self->buffer_.consume(self->buffer_.size());
-    if (!text || !self->room_.viewer.receive(self->client_, said, bus::wall_clock_us())) {
+    if (!text || !self->room_.content.receive(self->client_, said, bus::wall_clock_us())) {
       return self->leave();
     }
     self->catch_up();
@@ -64,7 +65,7 @@ bool Page::is_behind() {
 void Page::catch_up() {
   if (!owed_ || is_behind()) return;
   const std::int64_t now_us = bus::wall_clock_us();
-  room_.viewer.prepare(now_us);
+  room_.content.prepare(now_us);
   deliver(now_us);
 }
 
@@ -75,7 +76,7 @@ void Page::deliver(std::int64_t now_us) {
     ++room_.counters.frames_skipped;
     return;
   }
-  Delivery delivery = room_.viewer.deliver(*client_, now_us);
+  Delivery delivery = room_.content.deliver(*client_, now_us);
   for (std::string& text : delivery.texts) send_text(std::move(text));
   for (auto& parcel : delivery.parcels) {
     room_.counters.bytes += static_cast<std::int64_t>(parcel->size());
@@ -117,9 +118,9 @@ void Page::leave() {
 
 void deliver_to_pages(Room& room) {
   const std::int64_t now_us = bus::wall_clock_us();
-  room.viewer.prepare(now_us);
+  room.content.prepare(now_us);
   const auto pages = room.pages;  // one may disconnect meanwhile
   for (const auto& page : pages) page->deliver(now_us);
 }
 
-}  // namespace palpate::view
+}  // namespace palpate::serve

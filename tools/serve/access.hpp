@@ -6,7 +6,7 @@
 
 #include "rt/bus/authentication.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 
 /// The host names by which a browser may address the server, and the origins whose pages may talk
 /// to it. A page of another site can make a browser connect to this machine; it is distinguished by
@@ -43,4 +43,4 @@ class Token {
   bus::Key bytes_;
 };
 
-}  // namespace palpate::view
+}  // namespace palpate::serve

@@ -8,16 +8,17 @@
 #include <memory>
 #include <set>
 
-#include "tools/view/server.hpp"
+#include "rt/bus/authentication.hpp"
+#include "tools/serve/server.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 
 class Page;
 
 /// State shared by all connections of a server.
 struct Room {
   const Assets& assets;
-  Viewer& viewer;
+  Content& content;
   Doorman doorman;
   std::set<std::shared_ptr<Page>> pages;
   ServerCounters counters;
@@ -58,7 +59,7 @@ class Page : public std::enable_shared_from_this<Page> {
   bool left_ = false;
   bool owed_ = false;                 // a frame was due while the page lagged
   std::deque<std::int64_t> undrawn_;  // frames sent and not acknowledged
-  std::shared_ptr<Client> client_ = std::make_shared<Client>();
+  std::shared_ptr<Client> client_;
 };
 
 /// Answers HTTP requests on a connection until it ends, or becomes a page's WebSocket.
@@ -67,4 +68,4 @@ void serve_http(Room& room, boost::asio::ip::tcp::socket socket);
 /// Sends new data to every page that has kept up.
 void deliver_to_pages(Room& room);
 
-}  // namespace palpate::view
+}  // namespace palpate::serve

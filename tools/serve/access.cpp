@@ -1,4 +1,4 @@
-#include "tools/view/access.hpp"
+#include "tools/serve/access.hpp"
 
 #include <sodium.h>
 
@@ -6,7 +6,7 @@
 #include <cctype>
 #include <stdexcept>
 
-namespace palpate::view {
+namespace palpate::serve {
 namespace {
 
 std::string lower(std::string_view text) {
@@ -52,4 +52,4 @@ bool Token::is(std::string_view text) const {
   return text.size() == right.size() && sodium_memcmp(text.data(), right.data(), right.size()) == 0;
 }
 
-}  // namespace palpate::view
+}  // namespace palpate::serve

@@ -1,8 +1,8 @@
 #include <optional>
 
-#include "tools/view/page.hpp"
+#include "tools/serve/page.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 
 namespace beast = boost::beast;
 namespace http = beast::http;
@@ -40,7 +40,7 @@ class Session : public std::enable_shared_from_this<Session> {
     if (!room_.doorman.knows_host(host)) {
       ++room_.counters.refused;
       return answer(request, http::status::forbidden, "text/plain",
-                    "palpate-view is not known by this name; start it with --name\n");
+                    "the server is not known by this name; palpate-view --name adds one\n");
     }
     if (beast::websocket::is_upgrade(request)) return upgrade(request, host);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
@@ -107,4 +107,4 @@ void serve_http(Room& room, boost::asio::ip::tcp::socket socket) {
   std::make_shared<Session>(room, std::move(socket))->read();
 }
 
-}  // namespace palpate::view
+}  // namespace palpate::serve

@@ -1,10 +1,10 @@
-#include "tools/view/access.hpp"
+#include "tools/serve/access.hpp"
 
 #include <gtest/gtest.h>
 
 #include "tests/support/scratch_folder.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 namespace {
 
 TEST(Doorman, KnowsItsOwnNamesWithItsPortAlone) {
@@ -49,4 +49,4 @@ TEST(Token, StaysThatOfItsFile) {
 }
 
 }  // namespace
-}  // namespace palpate::view
+}  // namespace palpate::serve

@@ -1,6 +1,16 @@
-// The connection to palpate-view: reopened whenever it ends, and decoding of its messages.
+// The connection to the program: its token, reopening whenever it ends, and decoding of its messages.
 
 const FIRST_WAIT = 300, LONGEST_WAIT = 2000;  // ms
+
+/** The token from the address, from which it is then removed. */
+export function takeToken() {
+  const found = /[#&]token=([0-9a-f]+)/i.exec(location.hash);
+  if (found) {
+    sessionStorage.setItem('token', found[1]);
+    history.replaceState(null, '', location.pathname + location.search);
+  }
+  return sessionStorage.getItem('token');
+}
 
 /** Header of a binary message, with its arrays by name as views into it. */
 export function unpack(buffer) {

@@ -1,4 +1,4 @@
-#include "tools/view/server.hpp"
+#include "tools/serve/server.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -8,9 +8,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tools/view/page.hpp"
+#include "tools/serve/page.hpp"
 
-namespace palpate::view {
+namespace palpate::serve {
 namespace {
 
 std::string type_of(const std::string& name) {
@@ -34,8 +34,9 @@ std::string read(const std::string& path) {
 
 }  // namespace
 
-Assets::Assets(const std::string& three) {
-  for (const auto& [name, body] : page_files()) assets_["/" + name] = {type_of(name), body};
+Assets::Assets(const Files& page, const std::string& three) {
+  for (const Files* files : {&shared_page_files(), &page})
+    for (const auto& [name, body] : *files) assets_["/" + name] = {type_of(name), body};
   assets_["/"] = assets_.at("/index.html");
   const std::string script = type_of(".js");
   assets_["/three.js"] = {script, read(three + "/three.min.js")};
@@ -48,9 +49,9 @@ const Asset* Assets::find(std::string_view path) const {
 }
 
 struct Server::Impl {
-  Impl(const Options& wanted, const Assets& assets, Viewer& shown)
+  Impl(const Options& wanted, const Assets& assets, Content& shown)
       : options(wanted),
-        viewer(shown),
+        content(shown),
         context(1),
         acceptor(context),
         receive_timer(context),
@@ -62,7 +63,7 @@ struct Server::Impl {
     if (!address.is_unspecified())
       names.push_back(address.is_v6() ? "[" + address.to_string() + "]" : address.to_string());
     room = std::make_unique<Room>(
-        Room{assets, viewer, Doorman(names, acceptor.local_endpoint().port()), {}, {}});
+        Room{assets, content, Doorman(names, acceptor.local_endpoint().port()), {}, {}});
   }
 
   void listen() {
@@ -98,7 +99,7 @@ struct Server::Impl {
     receive_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       receive();  // first: the timer continues in any case
-      viewer.advance(bus::wall_clock_us());
+      content.advance(bus::wall_clock_us());
     });
   }
 
@@ -112,7 +113,7 @@ struct Server::Impl {
       if (error) return;
       send_frames();
       if (room->pages.empty())
-        viewer.prepare(bus::wall_clock_us());
+        content.prepare(bus::wall_clock_us());
       else
         deliver_to_pages(*room);
     });
@@ -130,7 +131,7 @@ struct Server::Impl {
   }
 
   Options options;
-  Viewer& viewer;
+  Content& content;
   boost::asio::io_context context;
   boost::asio::ip::tcp::acceptor acceptor;
   boost::asio::steady_timer receive_timer, frame_timer;
@@ -138,8 +139,8 @@ struct Server::Impl {
   std::unique_ptr<Room> room;
 };
 
-Server::Server(const Options& options, const Assets& assets, Viewer& viewer)
-    : impl_(std::make_unique<Impl>(options, assets, viewer)) {}
+Server::Server(const Options& options, const Assets& assets, Content& content)
+    : impl_(std::make_unique<Impl>(options, assets, content)) {}
 
 Server::~Server() = default;
 
@@ -160,4 +161,4 @@ void Server::stop() { impl_->context.stop(); }
 
 const ServerCounters& Server::counters() const { return impl_->room->counters; }
 
-}  // namespace palpate::view
+}  // namespace palpate::serve
