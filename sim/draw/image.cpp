@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace palpate::draw {
@@ -14,6 +15,11 @@ namespace {
 }
 
 }  // namespace
+
+void paste(const Image& part, int column, int row, Image& whole) {
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(part.pixel(0, y), std::size_t(3) * part.width, whole.pixel(column, row + y));
+}
 
 void write_png(const std::string& path, const Image& image) {
   if (image.width < 1 || image.height < 1) throw std::runtime_error("PNG: the image is empty");

@@ -32,6 +32,9 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
+/// Copies `part` into `whole`, with its upper left corner at this place in px; it must fit.
+void paste(const Image& part, int column, int row, Image& whole);
+
 /// Depth image: distance along the optical axis in m, row-major from the top; 0 marks no
 /// measurement.
 struct DepthImage {

@@ -15,4 +15,7 @@ void add_make_commands(CLI::App& app, int& code);
 /// check, convert, repair, optimise.
 void add_file_commands(CLI::App& app, int& code);
 
+/// regions.
+void add_region_command(CLI::App& app, int& code);
+
 }  // namespace palpate::mesh_tool

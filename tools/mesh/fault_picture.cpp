@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "core/mesh/near_nodes.hpp"
 #include "sim/draw/annotate.hpp"
@@ -165,12 +164,6 @@ class Scene {
   double scale_ = 1;
 };
 
-void paste(const draw::Image& part, int column, int row, draw::Image& whole) {
-  for (int y = 0; y < part.height; ++y) {
-    std::memcpy(whole.pixel(column, row + y), part.pixel(0, y), std::size_t(3) * part.width);
-  }
-}
-
 /// Cells whose corners all exist and are finite.
 std::vector<int> drawable(const Eigen::Ref<const Eigen::MatrixXi>& cells,
                           const Eigen::Matrix3Xd& points) {
@@ -210,8 +203,8 @@ void draw_faults(const mesh::TriangleSurface& body, const std::vector<Fault>& fa
   const Scene scene(body, faults);
   draw::Image image(2 * kPanel + 4, kTitle + kHeight);
   std::fill(image.rgb.begin(), image.rgb.end(), std::uint8_t{255});
-  paste(scene.whole(), 0, kTitle, image);
-  paste(scene.close_up(), kPanel + 4, kTitle, image);
+  draw::paste(scene.whole(), 0, kTitle, image);
+  draw::paste(scene.close_up(), kPanel + 4, kTitle, image);
   draw::draw_title(image, title);
   std::vector<draw::LegendEntry> legend;
   for (std::size_t kind = 0; kind < faults.size(); ++kind) {

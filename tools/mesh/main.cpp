@@ -11,7 +11,8 @@ int main(int argc, char** argv) {
   using namespace palpate;
   CLI::App app(
       "palpate-mesh makes meshes of tetrahedra for palpated: boxes, cylinders, ellipsoids and the\n"
-      "inside of surfaces; it converts, checks and repairs others'. Lengths are m.");
+      "inside of surfaces; it converts, checks and repairs others', and names their parts. Lengths "
+      "are m.");
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"
@@ -22,11 +23,13 @@ int main(int argc, char** argv) {
       "  palpate-mesh check toy.msh --picture toy.faults.png --json -\n"
       "  palpate-mesh repair old.veg new.msh --largest-part\n"
       "  palpate-mesh convert bar.msh bar.node --first 0\n"
+      "  palpate-mesh regions bar.msh --group clamp --box 0 0 0 0.05 1 1 --output bar.msh\n"
       "In a configuration of palpated: object: {mesh: {file: bar.msh}, ...}\n"
       "Each command has its own --help.");
   int code = mesh_tool::kGood;
   mesh_tool::add_make_commands(app, code);
   mesh_tool::add_file_commands(app, code);
+  mesh_tool::add_region_command(app, code);
   common::catch_interruptions();
   return common::run_program("palpate-mesh", [&]() -> int {
     if (const auto ended = config::parse(app, argc, argv,
