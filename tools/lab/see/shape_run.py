@@ -65,7 +65,7 @@ def draw(seed: int) -> Run:
         f"seed={seed}",
         "object.elements=[10, 1, 1]",
         f"motion={{start_delay: 0.5, poses: [{', '.join(poses)}]}}",
-        f"camera={{eye: null, pose: {{position: {_list(p)}, quaternion: {_list([w, x, y, z])}}}, occlusions: [], "
+        f"camera={{pose: {{position: {_list(p)}, quaternion: {_list([w, x, y, z])}}}, occlusions: [], "
         "truth_segmentation: true, segmentation: truth, cloud: {stride: 4}}",
         f"sensors.camera={{rate: 10, depth: {{noise: 1, disparity_step: 0.125}}, "
         f"calibration_error: {_pose(random, CAMERA_POSITION, CAMERA_ANGLE_DEG)}}}",
