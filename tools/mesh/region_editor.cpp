@@ -254,7 +254,7 @@ void edit_regions_in_browser(Regions& regions, const RegionEditorOptions& option
   std::thread serving([&server] { server.run(); });
   while (!common::is_interrupted() && !editor.is_finished())
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  // What the page is told last.
+  // The page receives its last messages.
   if (editor.is_finished()) std::this_thread::sleep_for(std::chrono::milliseconds(200));
   server.stop();
   serving.join();

@@ -1,6 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstring>
+#include <tuple>
 
 #include "core/mesh/connectivity.hpp"
 #include "sim/draw/annotate.hpp"
@@ -47,14 +47,14 @@ Parts parts_of(const Regions& regions) {
   const Vector3d lower = nodes.rowwise().minCoeff(), upper = nodes.rowwise().maxCoeff();
   parts.points = (nodes.colwise() - Vector3d(0.5 * (lower + upper))) / (upper - lower).norm();
 
-  // A face of several groups is shown by the one of fewest faces.
-  std::vector<std::pair<std::size_t, std::string>> by_size;
+  // A face of several groups is shown by what is held there, or by the one of fewest faces.
+  std::vector<std::tuple<bool, std::size_t, std::string>> by_size;
   for (const auto& [name, group] : regions.groups())
-    by_size.emplace_back(regions.outer_faces(name).size(), name);
+    by_size.emplace_back(!is_held_region(name), regions.outer_faces(name).size(), name);
   std::sort(by_size.begin(), by_size.end());
   std::vector<bool> is_shown(regions.faces().cols(), false);
   const auto colours = region_colours(regions.groups());
-  for (const auto& [size, name] : by_size) {
+  for (const auto& [is_other, size, name] : by_size) {
     std::vector<int> shown;
     for (const int f : regions.outer_faces(name)) {
       if (is_shown[f]) continue;

@@ -16,10 +16,6 @@ namespace {
 const char* const kHeld[] = {"clamp", "grasp", "second_grasp"};
 const char* const kKeys[] = {"fixed_group", "grasp_group", "second_grasp_group"};
 
-bool is_held(const std::string& name) {
-  return std::find(std::begin(kHeld), std::end(kHeld), name) != std::end(kHeld);
-}
-
 mesh::Face sorted_face(const Eigen::Vector3i& corners) {
   mesh::Face face{corners[0], corners[1], corners[2]};
   std::sort(face.begin(), face.end());
@@ -66,6 +62,10 @@ std::string scalar(const std::string& name) {
 }
 
 }  // namespace
+
+bool is_held_region(const std::string& name) {
+  return std::find(std::begin(kHeld), std::end(kHeld), name) != std::end(kHeld);
+}
 
 Regions::Regions(mesh::MeshWithGroups mesh)
     : mesh_(std::move(mesh)),
@@ -201,7 +201,7 @@ std::string Regions::configuration(const std::string& file) const {
   std::string stiffness;
   const auto all = static_cast<std::size_t>(mesh_.mesh.tetrahedron_count());
   for (const auto& [name, group] : mesh_.groups)
-    if (!group.tetrahedra.empty() && group.tetrahedra.size() < all && !is_held(name))
+    if (!group.tetrahedra.empty() && group.tetrahedra.size() < all && !is_held_region(name))
       stiffness += (stiffness.empty() ? "" : ", ") + ("{group: " + scalar(name)) + ", factor: 1}";
   if (!stiffness.empty()) text += ", material: {regions: [" + stiffness + "]}";
   return text + "}";
@@ -222,14 +222,13 @@ void write_regions(const Regions& regions, const std::string& file) {
 std::map<std::string, Eigen::Vector3f> region_colours(const Regions::Groups& groups) {
   const Eigen::Vector3f held[] = {
       {0.87F, 0.25F, 0.24F}, {0.20F, 0.72F, 0.38F}, {0.22F, 0.50F, 0.90F}};
-  // Okabe and Ito's colours without those, for colour blindness as well.
   const Eigen::Vector3f others[] = {{0.94F, 0.89F, 0.26F}, {0.80F, 0.47F, 0.65F},
                                     {0.90F, 0.62F, 0.00F}, {0.34F, 0.71F, 0.91F},
-                                    {0.55F, 0.45F, 0.85F}, {0.00F, 0.62F, 0.45F}};
+                                    {0.55F, 0.45F, 0.85F}, {0.55F, 0.40F, 0.20F}};
   std::map<std::string, Eigen::Vector3f> colours;
   std::size_t next = 0;
   for (const auto& [name, group] : groups)
-    if (!is_held(name)) colours[name] = others[next++ % std::size(others)];
+    if (!is_held_region(name)) colours[name] = others[next++ % std::size(others)];
   for (std::size_t i = 0; i < std::size(kHeld); ++i)
     if (groups.count(kHeld[i]) > 0) colours[kHeld[i]] = held[i];
   return colours;

@@ -73,6 +73,9 @@ class Regions {
   std::map<mesh::Face, int> face_by_corners_;  // ascending corners
 };
 
+/// Whether the name is clamp, grasp or second_grasp.
+bool is_held_region(const std::string& name);
+
 /// The file can be read by palpated with the groups of faces and elements: .msh. Throws
 /// std::runtime_error.
 void check_region_file(const std::string& file);

@@ -132,6 +132,9 @@ class RegionsTest(unittest.TestCase):
 
     def test_3_side_is_picked_and_shown(self):
         page = self.page
+        # From further right, so that the end at the hand is visible.
+        page.browser.execute_script("palpate.stage.camera.position.x += 0.6; palpate.stage.controls.update();"
+                                    "palpate.stage.dirty = true;")
         self.choose("grasp")
         page.click('#pointer [data-mode="connected"]')
         page.next_frames(1)

@@ -3,7 +3,7 @@
 const byId = (id) => document.getElementById(id);
 const EVERY = 30;  // ms between two strokes of a moved brush
 const HINTS = {
-  look: '', brush: 'Draw on the mesh; beside it the view turns.', connected: 'Click a side.',
+  look: '', brush: 'Draw on the mesh; elsewhere the view turns.', connected: 'Click a side.',
   rectangle: 'Draw a rectangle: faces turned to you that lie in it.',
 };
 
@@ -50,7 +50,7 @@ export class RegionPointer {
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  /** The face in front at a pixel, and the place on it; null beside the mesh. */
+  /** The face in front at a pixel, and the place on it; null outside the mesh. */
   hit(x, y) {
     const {stage, view} = this.world;
     if (!view.mesh) return null;
