@@ -49,7 +49,7 @@ class RegionsTest(unittest.TestCase):
 
     def run_program(self, name, *words):
         return subprocess.run([BINARIES / name, *map(str, words)], cwd=self.folder, capture_output=True, text=True,
-                              timeout=120)
+                              timeout=600)
 
     def mesh(self, *words):
         done = self.run_program("palpate-mesh", *words)
@@ -208,7 +208,7 @@ class RegionsTest(unittest.TestCase):
         self.assertIn("25 grasped, 25 fixed", said)
         self.assertEqual(page.errors(), [])
         page.click("#finish")
-        self.assertEqual(self.process.wait(60), 0)
+        self.assertEqual(self.process.wait(300), 0)
         said = self.process.stdout.read()
         self.assertIn("fixed_group: clamp, grasp_group: grasp", said)
         self.assertRegex(said, r"slice +\d+ +0 +0 +48 +0\.00036")
