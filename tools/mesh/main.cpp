@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
       "  palpate-mesh cylinder rod.msh --radius 0.025 --length 0.2 --edge 0.0125 --cost\n"
       "  palpate-mesh ellipsoid egg.vtu --half-axes 0.05 0.03 0.03 --edge 0.012 --order 2\n"
       "  palpate-mesh surface toy.stl toy.msh --scale mm --edge 0.01 --histograms toy.png\n"
+      "  palpate-mesh scan cloud.ply toy.msh --nodes 700 --deviation toy.png\n"
       "  palpate-mesh check toy.msh --picture toy.faults.png --json -\n"
       "  palpate-mesh repair old.veg new.msh --largest-part\n"
       "  palpate-mesh convert bar.msh bar.node --first 0\n"
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
       "Each command has its own --help.");
   int code = mesh_tool::kGood;
   mesh_tool::add_make_commands(app, code);
+  mesh_tool::add_scan_command(app, code);
   mesh_tool::add_file_commands(app, code);
   mesh_tool::add_region_command(app, code);
   common::catch_interruptions();

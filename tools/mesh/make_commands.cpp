@@ -2,19 +2,15 @@
 #include <iostream>
 #include <memory>
 
-#include "core/mesh/curved_sides.hpp"
 #include "core/mesh/grid_mesh.hpp"
 #include "core/mesh/near_nodes.hpp"
-#include "core/mesh/node_motion.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/round_mesh.hpp"
 #include "core/mesh/surface_repair.hpp"
-#include "tools/common/progress.hpp"
-#include "tools/common/table.hpp"
 #include "tools/mesh/commands.hpp"
+#include "tools/mesh/filling.hpp"
 #include "tools/mesh/gmsh_program.hpp"
 #include "tools/mesh/options.hpp"
-#include "tools/mesh/quality.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
@@ -85,63 +81,6 @@ int make_box(const MakeOptions& options) {
   return finish(made, options);
 }
 
-/// Fills a valid surface; if new triangles of the requested size are not possible, with its own.
-mesh::MeshWithGroups fill(const mesh::TriangleSurface& surface, const MakeOptions& options) {
-  common::Progress progress(1, 1, "gmsh fills the surface");
-  const auto show = [&progress](double share, const std::string& note) {
-    progress.show(share, note);
-  };
-  const auto is_good = [](const mesh::MeshWithGroups& filled) {
-    return !has_errors(find_faults(filled));
-  };
-  mesh::MeshWithGroups filled;
-  std::string why;
-  try {
-    filled = fill_by_gmsh(surface, options.meshing, show);
-    if (!is_good(filled)) why = "its elements are broken\n" + text(find_faults(filled));
-  } catch (const std::runtime_error& error) {
-    if (options.meshing.triangles == SurfaceTriangles::kKeep) throw;
-    why = error.what();
-    if (why.find("not installed") != std::string::npos ||
-        why.find("--time-limit") != std::string::npos)
-      throw;
-  }
-  if (!why.empty() && options.meshing.triangles == SurfaceTriangles::kRemesh) {
-    std::cerr << "new triangles could not be made: " << why
-              << "so the surface's own are kept, whatever their size\n";
-    MeshingOptions kept = options.meshing;
-    kept.triangles = SurfaceTriangles::kKeep;
-    filled = fill_by_gmsh(surface, kept, show);
-  }
-  progress.finish(true, std::to_string(filled.mesh.tetrahedron_count()) + " tetrahedra");
-  return filled;
-}
-
-/// Post-processing of gmsh's result: edges that follow the surface, smoothing of nodes.
-void refine(const mesh::TriangleSurface& surface, const MakeOptions& options,
-            mesh::MeshWithGroups& filled) {
-  const Quality before = measure_quality(filled.mesh);
-  const int moved = mesh::move_nodes(filled);
-  std::ostream& out = text_output(options.report);
-  out << "nodes moved for quality: " << moved << "; "
-      << compare(before, measure_quality(filled.mesh)) << '\n';
-  if (options.meshing.triangles == SurfaceTriangles::kKeep) return;
-  follow_surface(surface, filled);
-  const double wanted = mesh::enclosed_volume(surface);
-  const double straight = mesh::check(filled.mesh).volume;
-  if (options.output.order == 1) {
-    try {
-      mesh::keep_curved_volume(filled.mesh, filled.middles);
-    } catch (const std::invalid_argument& error) {
-      out << "sides stay as they are: " << error.what() << '\n';
-    }
-    filled.middles.clear();
-  }
-  out << common::formatted(
-      "volume by that of the surface: %.3f %% with corners on it, %.3f %% written\n",
-      100 * straight / wanted, 100 * mesh::check(filled.mesh).volume / wanted);
-}
-
 /// Round bodies: by layers and shells if these give good elements, otherwise by gmsh on a fine
 /// surface of them.
 int make_round(const MakeOptions& options,
@@ -158,8 +97,8 @@ int make_round(const MakeOptions& options,
   }
   const mesh::TriangleSurface surface =
       boundary(make(options.meshing.edge / 3, mesh::RoundSides::kFull).mesh);
-  mesh::MeshWithGroups filled = fill(surface, options);
-  refine(surface, options, filled);
+  const mesh::MeshWithGroups filled =
+      fill_and_refine(surface, options.meshing, options.output.order, text_output(options.report));
   return finish(filled, options);
 }
 
@@ -195,8 +134,8 @@ int make_from_surface(const MakeOptions& options) {
   out << options.input << ":\n" << text(outcome.steps) << text(outcome.faults);
   const double size = mesh::diagonal(surface.points);
   check_count(std::pow(size / options.meshing.edge, 3) / 10);
-  mesh::MeshWithGroups filled = fill(surface, options);
-  refine(surface, options, filled);
+  const mesh::MeshWithGroups filled =
+      fill_and_refine(surface, options.meshing, options.output.order, text_output(options.report));
   return finish(filled, options);
 }
 

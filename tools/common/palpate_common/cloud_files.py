@@ -24,16 +24,17 @@ class CloudContent(NamedTuple):
     colours: Optional[Floats]
 
 
-def read_cloud(path: Path) -> Floats:
-    """Points of a file, (n, 3), m; those that are not finite are left out. Raises InputError, also for fewer than 10."""
-    points = read_coloured_cloud(path).points
+def read_cloud(path: Path, scale: float = 1.0) -> Floats:
+    """Points of a file, (n, 3), times `scale`, m; those that are not finite are left out. Raises InputError, also for fewer
+    than 10."""
+    points = read_coloured_cloud(path, scale).points
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < 10:
         raise InputError(f"{path}: {len(points)} finite points; allowed: 10 or more")
     return points
 
 
-def read_coloured_cloud(path: Path) -> CloudContent:
+def read_coloured_cloud(path: Path, scale: float = 1.0) -> CloudContent:
     """All points of a file, of any number. Colours are of PLY's red, green, blue, of PCD's rgb, or of columns 4 to 6 of XYZ
     and NPY, from 0 to 1 or to 255. Raises InputError."""
     readers = {".ply": _read_ply, ".pcd": _read_pcd, ".xyz": _read_xyz, ".txt": _read_xyz, ".npy": _read_npy}
@@ -48,7 +49,7 @@ def read_coloured_cloud(path: Path) -> CloudContent:
         raise InputError(f"{path}: {error}") from error
     if table.ndim != 2 or table.shape[1] < 3:
         raise InputError(f"{path}: an array of shape {table.shape}; allowed: (points, 3)")
-    points = table[:, :3]
+    points = table[:, :3] * scale
     largest = np.abs(points[np.isfinite(points).all(axis=1)]).max(initial=0.0)
     if largest > LARGEST:
         raise InputError(f"{path}: a coordinate of {largest:g} m; allowed: up to {LARGEST:g} m (is the file in mm?)")

@@ -82,7 +82,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_SOURCE_DIR}/debian/python/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/python/prerm")
 # Loaded together with a model, so that no program is linked to it.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "python3-palpate, python3-scipy, python3-yaml, python3-pil, python3-jinja2, python3-matplotlib, rt-tests, stress-ng, liblcm-bin")
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "python3-opencv")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "python3-opencv, python3-open3d")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_SUGGESTS "palpate-tools, palpate-sim")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_SOURCE_DIR}/debian/conffiles;${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/postrm;${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm")

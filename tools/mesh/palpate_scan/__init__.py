@@ -1,0 +1,1 @@
+"""Closed surfaces of scanned clouds, for palpate-mesh scan."""
