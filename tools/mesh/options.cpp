@@ -249,6 +249,7 @@ int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const Repor
     }
   }
   picture(mesh, outcome, options, out);
+  json.update(options.more);
   if (!options.json.empty()) common::write_json(json, options.json);
   return is_broken ? kBroken : kGood;
 }

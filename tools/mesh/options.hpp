@@ -25,7 +25,8 @@ struct OutputOptions {
 /// Outputs that every command can produce in addition.
 struct ReportOptions {
   std::string json;
-  std::string picture;  // of faults, or of the mesh if there are none
+  nlohmann::json more = nlohmann::json::object();  // further entries of the JSON
+  std::string picture;                             // of faults, or of the mesh if there are none
   std::string histograms;
   bool cost = false;
 };

@@ -68,14 +68,6 @@ std::string deviation_text(const nlohmann::json& deviation) {
   return text;
 }
 
-/// Adds to the file of --json, which report() has written, or writes to the standard output.
-void add_to_json(const nlohmann::json& more, const std::string& file) {
-  if (file.empty()) return;
-  nlohmann::json json = file == "-" ? nlohmann::json::object() : json_of(file);
-  json.update(more);
-  common::write_json(json, file);
-}
-
 int scan_cloud(const ScanOptions& options) {
   const common::TemporaryFolder folder("palpate-scan");
   const std::string made = (folder.path() / "surface.obj").string(),
@@ -108,9 +100,6 @@ int scan_cloud(const ScanOptions& options) {
           throw std::runtime_error("gmsh's elements are broken:\n" + text(find_faults(filled)));
         return filled;
       });
-  const int code =
-      finish(found.mesh, {options.output.file, {}, {}}, options.output, options.report);
-  if (code != kGood) return code;
   write_surface(boundary(found.mesh.mesh), written);
   std::vector<std::string> arguments{
       "deviation", options.input, written, "--scale", mesh::shortest(options.scale),
@@ -121,8 +110,9 @@ int scan_cloud(const ScanOptions& options) {
   more["scan"]["deviation"] = json_of(facts);
   more["scan"]["edge_m"] = found.edge;
   out << deviation_text(more["scan"]["deviation"]);
-  add_to_json(more, options.report.json);
-  return code;
+  ReportOptions report = options.report;
+  report.more = more;
+  return finish(found.mesh, {options.output.file, {}, {}}, options.output, report);
 }
 
 int scan_triangles(const ScanOptions& options) {

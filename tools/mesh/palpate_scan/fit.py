@@ -88,7 +88,7 @@ def _moved(nodes: Floats, triangles: Ints, normals: Floats, points: Floats, weig
     middle = (pair @ nodes) / np.asarray(pair.sum(axis=1))
     matrix = of_point.T @ of_point + STRAIGHT * (of_edge.T @ of_edge) + held
     right = of_point.T @ np.einsum("ij,ij->i", normals[chosen], points) + held @ (0.5 * (nodes + middle)).reshape(-1)
-    found, _ = cg(matrix, right, x0=nodes.reshape(-1), tol=1e-5, maxiter=300, M=sparse.diags(1 / matrix.diagonal()))
+    found, _ = cg(matrix, right, x0=nodes.reshape(-1), tol=1e-5, atol=0, maxiter=300, M=sparse.diags(1 / matrix.diagonal()))
     return np.asarray(found).reshape(-1, 3)
 
 
