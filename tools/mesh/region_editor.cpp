@@ -13,12 +13,10 @@
 namespace palpate::mesh_tool {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t kMostSteps = 200;  // that can be undone
 constexpr double kFarthest = 1e3;        // m
 
-double number_of(const json& request, const char* key, double lower, double upper) {
+double number_of(const nlohmann::json& request, const char* key, double lower, double upper) {
   const auto found = request.find(key);
   const double x =
       found != request.end() && found->is_number() ? found->get<double>() : std::nan("");
@@ -28,7 +26,7 @@ double number_of(const json& request, const char* key, double lower, double uppe
   return x;
 }
 
-std::string text_of(const json& request, const char* key) {
+std::string text_of(const nlohmann::json& request, const char* key) {
   const auto found = request.find(key);
   if (found == request.end() || !found->is_string())
     throw std::invalid_argument(std::string(key) + ": must be a text");
@@ -36,7 +34,8 @@ std::string text_of(const json& request, const char* key) {
 }
 
 template <int Size>
-Eigen::Matrix<double, Size, 1> numbers_of(const json& request, const char* key, double most) {
+Eigen::Matrix<double, Size, 1> numbers_of(const nlohmann::json& request, const char* key,
+                                          double most) {
   const auto found = request.find(key);
   Eigen::Matrix<double, Size, 1> values;
   bool is_good = found != request.end() && found->is_array() && found->size() == Size;
@@ -63,7 +62,7 @@ RegionKind kind_named(const std::string& name) {
   throw std::invalid_argument("of: must be faces or elements");
 }
 
-double angle_of(const json& request) {
+double angle_of(const nlohmann::json& request) {
   return number_of(request, "angle", 0, 180) * EIGEN_PI / 180;
 }
 
@@ -107,7 +106,7 @@ std::string RegionEditor::mesh_parcel() const {
 
 std::string RegionEditor::groups_parcel() const {
   const auto colours = region_colours(regions_.groups());
-  json groups = json::array();
+  nlohmann::json groups = nlohmann::json::array();
   std::vector<std::vector<std::int32_t>> faces;
   for (const auto& [name, group] : regions_.groups()) {
     const RegionSize size = regions_.size(name);
@@ -134,7 +133,7 @@ std::string RegionEditor::groups_parcel() const {
 
 bool RegionEditor::receive(const std::shared_ptr<serve::Client>& client, const std::string& text,
                            std::int64_t /*now_us*/) {
-  const json request = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json request = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   try {
     if (!request.is_object()) throw std::invalid_argument("not a JSON object");
     if (text_of(request, "type") == "control") {
@@ -158,7 +157,7 @@ void RegionEditor::grant(serve::Client& client, const std::string& token) {
                                 {"reason", client.may_control ? "" : "wrong token"}}));
 }
 
-void RegionEditor::carry_out(const json& request) {
+void RegionEditor::carry_out(const nlohmann::json& request) {
   const std::string type = text_of(request, "type");
   if (type == "select") return change(request);
   if (type == "undo") return undo();
@@ -176,7 +175,7 @@ void RegionEditor::carry_out(const json& request) {
 }
 
 /// Of a request of type "select": what its entry "by" describes.
-std::vector<int> RegionEditor::selected(const json& request, RegionKind kind) const {
+std::vector<int> RegionEditor::selected(const nlohmann::json& request, RegionKind kind) const {
   const RegionSelection& selection = regions_.selection();
   const std::string by = text_of(request, "by");
   const auto face = [&request] { return static_cast<int>(number_of(request, "face", 0, 1e9)); };
@@ -204,7 +203,7 @@ std::vector<int> RegionEditor::selected(const json& request, RegionKind kind) co
   throw std::invalid_argument("by: must be brush, connected, box, rectangle or all");
 }
 
-void RegionEditor::change(const json& request) {
+void RegionEditor::change(const nlohmann::json& request) {
   const RegionKind kind = kind_named(text_of(request, "of"));
   const auto stroke = static_cast<std::int64_t>(number_of(request, "stroke", 0, 1e15));
   const std::vector<int> members = selected(request, kind);

@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kViewAngle = 0.5;                          // rad
 constexpr int kView = 760, kViewHeight = 700, kStrip = 34;  // px
 const draw::Colour kPale{0.62F, 0.68F, 0.76F, 0.22F}, kLines{0.25F, 0.30F, 0.36F, 0.55F};
 
@@ -80,10 +81,10 @@ Parts parts_of(const Regions& regions) {
 }
 
 draw::Image picture_from(const Vector3d& direction, const Parts& parts) {
-  constexpr double kFieldOfView = 0.5, kDistance = 2.25;  // rad; in diagonals of the mesh
+  constexpr double kDistance = 2.25;  // in diagonals of the mesh
   draw::Renderer renderer(kView, kViewHeight, /*supersampling=*/2);
   renderer.begin(draw::make_view(kDistance * direction.normalized(), Vector3d::Zero(),
-                                 Vector3d::UnitZ(), kFieldOfView, kView, kViewHeight));
+                                 Vector3d::UnitZ(), kViewAngle, kView, kViewHeight));
   draw::MeshStyle style;
   style.shading = draw::Shading::kFlat;
   style.edges = kLines;
