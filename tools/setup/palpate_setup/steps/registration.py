@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from pathlib import Path
 from typing import Any, Optional
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate_common.input_error import InputError
 from palpate_common.rotations import from_wxyz, log_rotation
 from palpate_common.section import plain, read_section
-from palpate_setup.cell import configuration_of, daemon
+from palpate_setup.cell import configuration_of
 from palpate_setup.project import Project
 from palpate_setup.questions import CHOICE, NUMBER, NUMBERS, TEXT, WHOLE, Question
 from palpate_setup.step import Result, Setting, Step, Work
+from palpate_setup.touching import touch_until_known
 
+Floats = NDArray[np.float64]
 Z95 = 1.959964
 PRIOR = ("pose_position_deviation", "pose_rotation_deviation", "clamp_deviation")
 LEAST_TOUCHES = 3
@@ -24,6 +26,10 @@ LEAST_TOUCHES = 3
 
 def _by_file(answers: Any) -> bool:
     return bool(answers["touches"] == "file")
+
+
+def _by_robot(answers: Any) -> bool:
+    return bool(answers["touches"] == "robot")
 
 
 class Registration(Step):
@@ -40,8 +46,10 @@ class Registration(Step):
             Question("touches", "Touches: made now by the robot (robot), of a file (file), or none", CHOICE, default="robot",
                      choices=("robot", "file", "none")),
             Question("touch_file", "CSV of touched points (palpate-register --help)", TEXT, when=_by_file),
-            Question("count", "Number of touches", WHOLE, "", 12, LEAST_TOUCHES, 100, when=lambda a: a["touches"] == "robot"),
-            Question("touch_force", "Force at which a touch ends", NUMBER, "N", 0.3, 0.02, 20, when=lambda a: a["touches"] == "robot"),
+            Question("count", "Number of touches", WHOLE, "", 12, LEAST_TOUCHES, 100, when=_by_robot),
+            Question("touch_force", "Force at which a touch ends", NUMBER, "N", 0.3, 0.02, 20, when=_by_robot),
+            Question("tip_in_grasp", "Centre of the tip that touches, in the grasp frame", NUMBERS, "m", [0.0, 0.0, 0.0], -1, 1,
+                     when=_by_robot),
             Question("deviation", "Standard deviation of a touched point along each axis", NUMBER, "m", 3e-4, 1e-6, 0.1),
             Question("probe_radius", "Radius of the tip", NUMBER, "m", 0.0, 0, 0.1),
             Question("cloud", "Cloud of the object's points in W (.ply, .pcd, .xyz, .npy; empty: none)", TEXT, default=None),
@@ -70,7 +78,7 @@ class Registration(Step):
             touches = work.file("touch_file")
             result.files.append(touches)
         elif answers["touches"] == "robot":
-            touches = _touch(work, base)
+            touches = touch(work, guess, base)
         cloud = work.file("cloud") if answers["cloud"] else None
         if touches is None and cloud is None:
             raise InputError("touches: none, and no cloud; allowed: one of them, or --skip registration with a typed pose")
@@ -153,29 +161,13 @@ def _refuse_vague(summary: Any) -> None:
         raise InputError(f"{len(summary['other_poses'])} other poses explain the points nearly as well; more touches decide")
 
 
-def _touch(work: Work, base: Path) -> Path:
-    """Guarded motions of the robot, each proposed from those before; the file of touched points. The user brings the hand in
-    front of each place; the approach itself is the daemon's."""
-    from palpate.daemon import Daemon
-
-    if not hasattr(Daemon, "touch"):
-        raise InputError("touches: robot; this version of palpate has no guarded motion; allowed: file, none")
+def touch(work: Work, guess: Setting, base: Path) -> Path:
+    """Touches of the robot, each proposed from those before; the file of touched points."""
     path = work.folder / "touches.csv"
-    rows: list[list[float]] = []
-    with daemon(work, base) as (client, _):
-        client.start()
-        direction, place = np.array([0.0, 0.0, -1.0]), "the object's upper side"
-        while len(rows) < work.answers["count"]:
-            work.person.ready(f"Touch {len(rows) + 1}: bring the empty hand some 20 mm in front of {place}; it will move along "
-                              f"{np.round(direction, 2).tolist()} in W.")  # fmt: skip
-            touch = client.touch(direction.tolist(), work.answers["touch_force"])
-            rows.append([*touch.point, *(-direction), max(touch.point_deviation, 1e-5)])
-            work.person.say(f"touched {np.round(touch.point, 4).tolist()} m")
-            with path.open("w", newline="") as file:
-                csv.writer(file).writerows([["x", "y", "z", "nx", "ny", "nz", "deviation"], *rows])
-            if len(rows) < work.answers["count"]:
-                proposal = register(work, base, path, None)["next_touches"]
-                if not proposal:
-                    break
-                direction, place = np.array(proposal[0]["approach"]), f"{np.round(proposal[0]['point'], 3).tolist()} m in W"
+
+    def propose() -> Optional[tuple[Floats, Floats]]:
+        proposals = register(work, base, path, None)["next_touches"]
+        return (np.array(proposals[0]["point"]), np.array(proposals[0]["approach"])) if proposals else None
+
+    touch_until_known(work, guess, path, propose)
     return path
