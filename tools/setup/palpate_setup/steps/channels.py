@@ -47,7 +47,7 @@ class Channels(Step):
             heard, malformed = listen(url, work.answers["seconds"], work.person.check)
         except (ValueError, OSError) as error:
             raise InputError(str(error)) from error
-        lines, faults = judge(heard)
+        lines, faults = judge(heard, work.project.data("machine")["is_simulated"])
         if malformed:
             lines.append(f"{malformed} datagrams that are no LCM messages")
         if faults:

@@ -46,11 +46,13 @@ class Machine(Step):
             kind = "real_time" if is_real_time else "desktop"
             result.lines.append(f"the kernel is {'' if is_real_time else 'no '}real-time one: lateness {kind}")
         result.settings = _loop(kind, "palpate-doctor")
+        result.data = {"is_simulated": kind == "simulator"}
         return result
 
     def skip(self, work: Work) -> Result:
         kind = work.answers["lateness"]
-        return Result(["not checked"], _loop("desktop" if kind == "automatic" else kind, "typed"))
+        settings = _loop("desktop" if kind == "automatic" else kind, "typed")
+        return Result(["not checked"], settings, data={"is_simulated": kind == "simulator"})
 
 
 def _loop(kind: str, source: str) -> list[Setting]:
