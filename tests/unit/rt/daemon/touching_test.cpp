@@ -125,9 +125,9 @@ TEST_F(TouchingTest, ATouchIsCarriedOutOnceAndReported) {
   EXPECT_NEAR(touch.centre[1], 0.011, 1e-6);
   EXPECT_NEAR(touch.stiffness, 2780 * std::sqrt(touch.indentation), 5);
   EXPECT_GT(touch.point_deviation, 0);
-  const double after = x_;
   const std::size_t count = heard_.size();
   run(3);
+  const double after = x_;
   EXPECT_NEAR(static_cast<double>(heard_.size() - count), 20, 2) << "repeated for one second";
   ask(5);  // late: everything of the end was lost
   run(0.5);
