@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 1e-3;  // s
+constexpr double kTick = 1e-3;  // s
 
 /// A hand that moves as commanded towards a soft half-space, whose surface is `surface` m along the
 /// direction from the tip's front.
@@ -39,9 +39,9 @@ class Cell {
   /// Until the motion ends; at most `seconds`.
   void run(double seconds = 60) {
     if (start_.isZero()) start_ = tip();
-    for (double time = 0; time < seconds && motion_.is_running(); time += kStep) {
+    for (double time = 0; time < seconds && motion_.is_running(); time += kTick) {
       GuardedMotion::Inputs inputs;
-      inputs.dt = kStep;
+      inputs.dt = kTick;
       inputs.is_usable = usable;
       inputs.reason = "too old";
       inputs.X_WG = X_WG;
@@ -52,9 +52,9 @@ class Cell {
       inputs.gate_reason = gate_reason;
       largest_force = std::max(largest_force, force);
       const Vector3d velocity = motion_.advance(inputs);
-      largest_change = std::max(largest_change, (velocity - last_).norm() / kStep);
+      largest_change = std::max(largest_change, (velocity - last_).norm() / kTick);
       last_ = velocity;
-      if (obeys) X_WG.translation() += kStep * velocity;
+      if (obeys) X_WG.translation() += kTick * velocity;
       least_travel = std::min(least_travel, travel());
       most_speed = std::max(most_speed, velocity.norm());
     }
