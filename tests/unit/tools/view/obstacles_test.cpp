@@ -166,12 +166,12 @@ TEST(Obstacles, AreSentToAPageOnceAndTheirPlacesInEachFrame) {
   Viewer viewer(options, serve::Token());
   ViewerClient client;
   viewer.prepare(1);
-  const Delivery first = viewer.deliver(client, 1);
+  const serve::Delivery first = viewer.deliver(client, 1);
   ASSERT_EQ(first.parcels.size(), 3U);
   EXPECT_EQ(head_of(*first.parcels[0])["name"], "table");
   EXPECT_EQ(head_of(*first.parcels[1])["name"], "lid");
   viewer.prepare(2);
-  const Delivery second = viewer.deliver(client, 2);
+  const serve::Delivery second = viewer.deliver(client, 2);
   ASSERT_EQ(second.parcels.size(), 1U);
   const std::string& frame = *second.parcels[0];
   const json head = head_of(frame);
