@@ -63,7 +63,7 @@ def _filled(flat: Floats, axes: Floats, outward: Floats, at: Floats, points: Flo
     """A grid within the rim, (r, 2), which is taken as a star round its middle."""
     middle = 0.5 * (flat.min(axis=0) + flat.max(axis=0))
     polar = flat - middle
-    sectors = 72
+    sectors = 144  # a rim of wider ones reaches beyond straight sides
     sector = ((np.arctan2(polar[:, 1], polar[:, 0]) + np.pi) / (2 * np.pi) * sectors).astype(int) % sectors
     reach = np.zeros(sectors)
     np.maximum.at(reach, sector, np.linalg.norm(polar, axis=1))
