@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kFollows = 0.01;  // s, time constant of its drives
 constexpr double kRest = 1e-6;     // rad/s, below which its brakes engage
+constexpr double kLatest = 0.05;   // s, that it keeps a velocity without a new command
 
 }  // namespace
 
@@ -17,12 +18,16 @@ SimulatedArm::SimulatedArm(const kinematics::SerialChain& chain, const Options& 
   wanted_.setZero(q_.size());
 }
 
+/// An arm moves on while a cycle of the driver is late.
 void SimulatedArm::command(const Joints& dq) {
+  const auto now = std::chrono::steady_clock::now();
+  const double dt = std::min(kLatest, std::chrono::duration<double>(now - commanded_at_).count());
+  commanded_at_ = now;
+  q_ += dt * dq_;
   wanted_ = dq;
   if (stopped_) wanted_.setZero();
-  dq_ += std::min(1.0, options_.period / kFollows) * (wanted_ - dq_);
+  dq_ += std::min(1.0, dt / kFollows) * (wanted_ - dq_);
   if (wanted_.isZero(0) && dq_.lpNorm<Eigen::Infinity>() < kRest) dq_.setZero();
-  q_ += options_.period * dq_;
 }
 
 bool SimulatedArm::read(ArmState& state) {

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <random>
 
 #include "arm.hpp"
 
 namespace palpate::driver {
 
-/// Stand-in for an arm: joints that follow every command within 10 ms, and a sensor that carries a
-/// hand. An example of the interface, sufficient for testing a driver.
+/// Stand-in for an arm in real time: joints that follow every command within 10 ms, and a sensor
+/// that carries a hand. An example of the interface, sufficient for testing a driver.
 class SimulatedArm : public Arm {
  public:
   struct Options {
@@ -16,7 +17,6 @@ class SimulatedArm : public Arm {
     double mass = 4.8;                                         // kg, mounted on the sensor
     Eigen::Vector3d center_of_mass{0.0015, -0.00065, 0.1137};  // m, in S
     double sensor_z = 0.04;                                    // m, of S along z of E; no rotation
-    double period = 1e-3;                                      // s
   };
 
   SimulatedArm(const kinematics::SerialChain& chain, const Options& options);
@@ -32,6 +32,7 @@ class SimulatedArm : public Arm {
   kinematics::SerialChain chain_;
   Options options_;
   Joints q_, dq_, wanted_;
+  std::chrono::steady_clock::time_point commanded_at_ = std::chrono::steady_clock::now();
   std::atomic<bool> stopped_{false};
   std::mt19937 random_{1};
   std::normal_distribution<double> noise_;
