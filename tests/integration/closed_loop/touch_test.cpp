@@ -67,10 +67,10 @@ class TouchLoop {
     const math::Pose& X_WO = loop_.simulation().scene().X_WO;
     const Eigen::Vector3d centre_O = X_WO.inverse() * centre_W;
     const object::HyperelasticPlant& plant = loop_.simulation().plant();
-    // Of the deformed side at the place beside the centre; after the retreat it is free again.
-    const Eigen::Vector3d beside(kBlock, std::clamp(centre_O.y(), 0.0, kBlock),
+    // Of the deformed side at the place that faces the centre; after the retreat it is free again.
+    const Eigen::Vector3d facing(kBlock, std::clamp(centre_O.y(), 0.0, kBlock),
                                  std::clamp(centre_O.z(), 0.0, kBlock));
-    return centre_O.x() - plant.position_at(beside).x() - kBall;
+    return centre_O.x() - plant.position_at(facing).x() - kBall;
   }
 
  private:
