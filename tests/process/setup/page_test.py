@@ -102,6 +102,11 @@ class Browser(Page):
     def click(self, selector):
         self.browser.execute_script("document.querySelector(arguments[0]).click()", selector)
 
+    def run_step(self):
+        """Presses the button as soon as the page has seen that no step runs."""
+        wait_for(lambda: not self.js("document.getElementById('run').disabled"), "the button is enabled")
+        self.click("#run")
+
     def text(self, selector):
         return self.js("document.querySelector(arguments[0]).textContent", selector)
 
@@ -127,11 +132,11 @@ class Browser(Page):
 
         self.shown("object")
         self.fill(size="0.5 0.06 0.06", mass="much")
-        self.click("#run")
+        self.run_step()
         wait_for(lambda: "mass" in self.text("#log"), "the wrong answer is named")
         self.assertEqual(self.status("object"), "open")
         self.fill(mass="0.054")
-        self.click("#run")
+        self.run_step()
         wait_for(lambda: self.status("object") == "done", "step object is done")
         wait_for(lambda: "30 kg/m^3" in self.text("#lines"), "its result is shown")
         self.assertIn("0.054 kg, weighed", (self.folder / "cell/palpate.yaml").read_text())
@@ -139,7 +144,7 @@ class Browser(Page):
         self.shown("channels")
         port = 10000 + self.port % 20000
         self.fill(lower="0 -1 0", upper="1 1 1", seconds="300", control=f"udpm://239.255.90.9:{port}?ttl=0")
-        self.click("#run")
+        self.run_step()
         wait_for(lambda: self.state()["running"] == "channels", "step channels runs")
         wait_for(lambda: self.js("!document.getElementById('stop').hidden"), "the button is shown")
         self.click("#stop")

@@ -5,7 +5,7 @@ const token = new URLSearchParams(location.hash.slice(1)).get('token') || sessio
 sessionStorage.setItem('token', token);
 history.replaceState(null, '', location.pathname);
 
-const page = {state: null, chosen: null, asked: ''};
+const page = {state: null, chosen: null, asked: '', askedOf: ''};
 window.palpateSetup = page;
 const at = (id) => document.getElementById(id);
 
@@ -29,15 +29,17 @@ function element(kind, properties, ...children) {
 }
 
 function field(question) {
-  if (question.choices.length === 0)
-    return element('input', {name: question.key, value: question.default ?? '', autocomplete: 'off'});
-  const select = element('select', {name: question.key},
-                         ...question.choices.map((choice) => element('option', {value: choice, textContent: choice})));
-  if (question.default !== null) select.value = question.default;
-  return select;
+  const made = question.choices.length === 0 ?
+      element('input', {name: question.key, value: question.default ?? '', autocomplete: 'off'}) :
+      element('select', {name: question.key},
+              ...question.choices.map((choice) => element('option', {value: choice, textContent: choice})));
+  if (question.choices.length > 0 && question.default !== null) made.value = question.default;
+  made.dataset.given = made.value;
+  return made;
 }
 
-// Every question of the step, also those whose condition does not hold now: they are then ignored.
+// Every question of the step, also those whose condition does not hold now: they are then ignored. What has been
+// typed stays where a default changes.
 function showQuestions(step) {
   const questions = [...(step.questions || [])];
   const known = new Set(questions.map((question) => question.key));
@@ -45,9 +47,13 @@ function showQuestions(step) {
     if (!known.has(question.key)) questions.push({...question, text: `(if skipped) ${question.text}`});
   const asked = JSON.stringify([step.name, questions.map((question) => [question.key, question.default])]);
   if (asked === page.asked) return;
+  const typed = [...at('questions').elements].filter((input) => page.askedOf === step.name && input.value !== input.dataset.given);
   page.asked = asked;
+  page.askedOf = step.name;
   at('questions').replaceChildren(...questions.flatMap((question) => [
     element('label', {}, question.text, element('small', {textContent: question.allowed})), field(question)]));
+  for (const {name, value} of typed)
+    if (at('questions').elements[name]) at('questions').elements[name].value = value;
 }
 
 async function showPictures(step) {
