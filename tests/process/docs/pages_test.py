@@ -42,7 +42,7 @@ NOT_RUN = {
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that keep running, and their output when ready.
-READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://"}
+READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-see": "clouds"}
 
 
 class Workspace:
@@ -94,7 +94,7 @@ class Workspace:
             line = line.split(" #")[0].rstrip().rstrip("&").rstrip()
         program = line.split()[0]
         shell = line.replace("/tmp/plugin", str(self.folder / "plugin")) + self.words_more(program, line)
-        if program in READY and "--check" not in line:
+        if program in READY and "--check" not in line and "--seconds" not in line:
             log = self.folder / f"said_{len(self.staying)}"
             with log.open("w") as file:
                 process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "bash", "-c", "exec " + shell], cwd=self.folder, stdout=file,
