@@ -54,15 +54,15 @@ if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
 endif()
 
-# Compilation of a target. LOOP: as users run it. OFFLINE: tests, and programs with little computation
-# that share no hot code with core, for which build time matters (an object of lower optimisation
-# provides its inline functions to others of the same program, so not benchmarks). Either uses one precompiled file
-# with the headers that nearly all sources include, tests one with googletest; a source with its own
-# flags does not.
+# Compilation of a target. LOOP: as users run it, and tests of core and of the closed loop. OFFLINE:
+# other tests, and programs with little computation that share no hot code with core, for which build
+# time matters (an object of lower optimisation provides its inline functions to others of the same
+# program). Either uses one precompiled file with the headers that nearly all sources include, tests
+# one with googletest; a source with its own flags does not.
 option(PALPATE_PCH "Precompile common headers" ON)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
 set(PALPATE_OFFLINE_FOLDERS
-  "^tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit|property|integration|process)")
+  "^tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|sim|tools|lcmtypes)|process)")
 if(PALPATE_PCH)
   set(kinds "")
   if(PALPATE_TESTS)
