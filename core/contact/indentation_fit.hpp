@@ -21,6 +21,10 @@ namespace palpate::contact {
 /// residuals and multiplied by their integrated autocorrelation time, because neighbouring
 /// residuals of a filtered or disturbed force, or of a law that does not fit, are not independent.
 ///
+/// A sensor with play P reads a rising force by p too small and shows the touch too deep, by the
+/// depth at which the force is p. Where in its play it rests is unknown: p is uniform in [0, P];
+/// the mean of its effect is subtracted, and its range widens the deviation.
+///
 /// Work is divided over calls: advance() evaluates the model once for each step of the record
 /// (at most 512 powers). Nothing allocates.
 class IndentationFit {
@@ -29,6 +33,7 @@ class IndentationFit {
     double exponent = 1.5;            // n, mean of its prior; 1 to 3
     double exponent_deviation = 0.2;  // standard deviation of the prior of n; 0: n is constant
     double bias_deviation = 0.03;     // N, standard deviation of the prior of b; > 0
+    double force_play = 0;  // N, by which a force rises at most before the sensor reads it
 
     /// Throws std::invalid_argument naming the option and its range.
     void check() const;
@@ -40,7 +45,7 @@ class IndentationFit {
     double touch = 0;                // m, s0
     double touch_deviation = 0;      // m
     double indentation = 0;          // m, depth at the last step
-    double force = 0;                // N, of the model at the last step, without b
+    double force = 0;                // N, of the model at the last step, without b; with the play
     double stiffness = 0;            // N/m, force / indentation
     double stiffness_deviation = 0;  // N/m
     double exponent = 0;             // n
@@ -79,6 +84,7 @@ class IndentationFit {
   void find_noise() noexcept;
   void next_stage() noexcept;
   void conclude() noexcept;
+  void correct_for_play() noexcept;
   void fail(const char* reason) noexcept;
   double residual(const Vector& parameters, int i) const noexcept;
 

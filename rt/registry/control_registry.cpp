@@ -181,7 +181,11 @@ OptionTable<contact::IndentationFit::Options> indentation_options() {
       .number("bias_deviation", "N",
               "Standard deviation of the change of the force without contact since the approach "
               "began",
-              {1e-4, 10}, &Options::bias_deviation);
+              {1e-4, 10}, &Options::bias_deviation)
+      .number(
+          "force_play", "N",
+          "Largest rise of the force before the sensor's reading follows, by friction of cables",
+          {0, 10}, &Options::force_play);
 }
 
 OptionTable<control::GuardedMotion::Options> guarded_motion_options() {

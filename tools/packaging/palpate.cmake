@@ -54,7 +54,7 @@ if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
 endif()
 
-# Compilation of a target. LOOP: as users run it, and tests of core and of the closed loop. OFFLINE:
+# Compilation of a target. LOOP: as users run it, and tests of core, sim and the closed loop. OFFLINE:
 # other tests, and programs with little computation that share no hot code with core, for which build
 # time matters (an object of lower optimisation provides its inline functions to others of the same
 # program). Either uses one precompiled file with the headers that nearly all sources include, tests
@@ -62,7 +62,7 @@ endif()
 option(PALPATE_PCH "Precompile common headers" ON)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
 set(PALPATE_OFFLINE_FOLDERS
-  "^tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|sim|tools|lcmtypes)|process)")
+  "^tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|tools|lcmtypes)|process)")
 if(PALPATE_PCH)
   set(kinds "")
   if(PALPATE_TESTS)

@@ -135,15 +135,15 @@ TEST(Touch, CancelAndStaleSensorsStopTheHand) {
   }
 }
 
-// Pose and inclination of the block, direction, modulus, threshold and noise are drawn. The stated
-// deviation does not cover the error yet, which has one sign: the points lie within the block.
-TEST(Touch, ErrorsOverDraws) {
+// Pose and inclination of the block, direction, modulus, threshold and noise are drawn; the cables'
+// play of 0.1 N is stated.
+TEST(Touch, IntervalsHoldOverDraws) {
   constexpr int kDraws = 12;
   std::vector<double> errors;
   int covered = 0, touched = 0;
   double squares = 0, deviations = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    std::mt19937 generator(static_cast<unsigned>(draw));
+    std::mt19937 generator(100U + static_cast<unsigned>(draw));
     std::uniform_real_distribution<double> unit(-1, 1);
     std::ostringstream position, angles, modulus;
     position << "object.pose.position=[" << 1.06 + 5e-3 * unit(generator) << ", "
@@ -154,7 +154,7 @@ TEST(Touch, ErrorsOverDraws) {
     const Eigen::Vector3d direction(1, 0.1 * unit(generator), 0.1 * unit(generator));
     const double force = 0.3 + 0.1 * unit(generator);
     TouchLoop touch(
-        {position.str(), angles.str(), modulus.str(), "seed=" + std::to_string(1 + draw)});
+        {position.str(), angles.str(), modulus.str(), "seed=" + std::to_string(100 + draw)});
     touch.ask(direction, force);
     const touch_t& result = touch.run(30);
     if (result.state != touch_t::TOUCHED || result.point_deviation < 0) {
@@ -180,6 +180,7 @@ TEST(Touch, ErrorsOverDraws) {
       touched, kDraws, errors[errors.size() / 2], 1e3 * std::sqrt(squares / touched), errors.back(),
       1e3 * std::sqrt(deviations / touched), covered);
   EXPECT_LT(errors.back(), 0.8);
+  EXPECT_GE(covered, touched - 2);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -162,6 +163,39 @@ TEST(IndentationFit, AnotherExponentIsCoveredByItsPriorOnly) {
   IndentationFit::Options options;
   options.exponent_deviation = 0;
   EXPECT_LT(coverage(other, {0.03, 0, 0}, options).touch, 0.75);
+}
+
+TEST(IndentationFit, ThePlayOfTheSensorIsCorrectedAndCovered) {
+  constexpr int kRecords = 300;
+  constexpr double kPlay = 0.1;  // N
+  IndentationFit::Options with;
+  with.force_play = kPlay;
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> uniform(0, kPlay);
+  double bias = 0, bias_without = 0;
+  int covered = 0, covered_without = 0, valid = 0;
+  for (unsigned seed = 0; seed < kRecords; ++seed) {
+    ApproachRecord record(5e-5);
+    const double touch = 0.012, p = uniform(generator);
+    approach(
+        record, touch, 0.3, [p](double depth) { return std::max(0.0, hertz(depth) - p); },
+        {0.025, 0, 0}, seed);
+    const IndentationFit::Result result = fit(record, with), without = fit(record);
+    if (!result.valid || !without.valid) continue;
+    ++valid;
+    bias += result.touch - touch;
+    bias_without += without.touch - touch;
+    covered += std::abs(result.touch - touch) < 1.96 * result.touch_deviation;
+    covered_without += std::abs(without.touch - touch) < 1.96 * without.touch_deviation;
+  }
+  std::printf(
+      "touch too deep by %.3f mm, without correction %.3f mm; intervals hold: %.1f, %.1f %%\n",
+      1e3 * bias / valid, 1e3 * bias_without / valid, 100.0 * covered / valid,
+      100.0 * covered_without / valid);
+  EXPECT_GE(valid, 290);
+  EXPECT_LT(std::abs(bias), 0.25 * bias_without);
+  EXPECT_GE(covered, 0.9 * valid);
+  EXPECT_LT(covered_without, 0.7 * valid);
 }
 
 TEST(IndentationFit, SaysWhyThereIsNoResult) {

@@ -115,7 +115,7 @@ TEST(Plugins, KeysAreThoseThatItDeclared) {
   expect_complaint({kUnruly, law("nothing", ", gain: 1")},
                    {"control.gain", "unknown key", "after"});
   expect_complaint({kUnruly, "control.law=no_such_law"},
-                   {"control.law", "no_such_law", "quadratic_program, unruly_law"});
+                   {"control.law", "no_such_law", "guarded_motion, unruly_law"});
   expect_complaint({"control.law=unruly_law"}, {"'unruly_law' is unknown"});
 }
 
