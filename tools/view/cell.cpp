@@ -29,7 +29,8 @@ const std::vector<SlotChoices>& slot_choices() {
       {"control",
        false,
        {{"provider", {"fem", "kinematic"}},
-        {"law", {"proportional_twist", "dual_quaternion", "quadratic_program"}}}}};
+        {"law",
+         {"proportional_twist", "dual_quaternion", "quadratic_program", "guarded_motion"}}}}};
   return all;
 }
 
