@@ -24,7 +24,8 @@ class TouchingTest : public ::testing::Test {
   TouchingTest() { make({}); }
 
   void make(const std::vector<std::string>& overrides) {
-    std::vector<std::string> all = {"sensing=[{component: ft_tare_only, tare_at_start: true}]"};
+    std::vector<std::string> all = {"sensing=[{component: ft_tare_only, tare_at_start: true}]",
+                                    "control.force_play=0"};  // an ideal sensor
     all.insert(all.end(), overrides.begin(), overrides.end());
     daemon_ = std::make_unique<Daemon>(config::Node::load_file(kTouchConfiguration, all), *inside_,
                                        *inside_, Mode::kDeterministic, 1);
