@@ -1,7 +1,6 @@
 """A user can build and import what cmake --install installs."""
 
 import os
-import shutil
 import subprocess
 import sys
 import unittest
@@ -31,9 +30,8 @@ class Packages(ProcessTest):
     def test_a_plugin_is_built_against_what_is_installed_and_loaded(self) -> None:
         self.install("plugin")
         build = self.folder / "build"
-        launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
         self.run_words(
-            "cmake", "-S", PLUGIN, "-B", build, f"-DCMAKE_PREFIX_PATH={self.folder / 'usr'}", *launcher
+            "cmake", "-S", PLUGIN, "-B", build, f"-DCMAKE_PREFIX_PATH={self.folder / 'usr'}"
         )  # fmt: skip
         self.run_words("cmake", "--build", build)
         library = build / "libmy_components.so"
