@@ -1,6 +1,7 @@
 #include "simulated_arm.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace palpate::driver {
@@ -10,18 +11,23 @@ constexpr double kFollows = 0.01;  // s, time constant of its drives
 constexpr double kRest = 1e-6;     // rad/s, below which its brakes engage
 constexpr double kLatest = 0.05;   // s, that it keeps a velocity without a new command
 
+double machine_time() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace
 
 SimulatedArm::SimulatedArm(const kinematics::SerialChain& chain, const Options& options)
     : chain_(chain), options_(options), q_(options.q) {
   dq_.setZero(q_.size());
   wanted_.setZero(q_.size());
+  if (!options_.clock) options_.clock = machine_time;
+  commanded_at_ = options_.clock();
 }
 
 /// An arm moves on while a cycle of the driver is late.
 void SimulatedArm::command(const Joints& dq) {
-  const auto now = std::chrono::steady_clock::now();
-  const double dt = std::min(kLatest, std::chrono::duration<double>(now - commanded_at_).count());
+  const double now = options_.clock(), dt = std::min(kLatest, now - commanded_at_);
   commanded_at_ = now;
   q_ += dt * dq_;
   wanted_ = dq;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
+#include <functional>
 #include <random>
 
 #include "arm.hpp"
@@ -17,6 +17,7 @@ class SimulatedArm : public Arm {
     double mass = 4.8;                                         // kg, mounted on the sensor
     Eigen::Vector3d center_of_mass{0.0015, -0.00065, 0.1137};  // m, in S
     double sensor_z = 0.04;                                    // m, of S along z of E; no rotation
+    std::function<double()> clock;                             // s; empty: the machine's
   };
 
   SimulatedArm(const kinematics::SerialChain& chain, const Options& options);
@@ -32,7 +33,7 @@ class SimulatedArm : public Arm {
   kinematics::SerialChain chain_;
   Options options_;
   Joints q_, dq_, wanted_;
-  std::chrono::steady_clock::time_point commanded_at_ = std::chrono::steady_clock::now();
+  double commanded_at_;  // s
   std::atomic<bool> stopped_{false};
   std::mt19937 random_{1};
   std::normal_distribution<double> noise_;

@@ -91,6 +91,8 @@ TEST(JointGuard, AStopComesToRest) {
 TEST(SimulatedArm, WeighsItsHandAndObeysItsButton) {
   SimulatedArm::Options options;
   options.q = bent(7);
+  double now = 0;  // s
+  options.clock = [&now] { return now += 1e-3; };
   SimulatedArm arm(chain(), options);
   ArmState state;
   ASSERT_TRUE(arm.read(state));
@@ -107,6 +109,22 @@ TEST(SimulatedArm, WeighsItsHandAndObeysItsButton) {
   arm.read(state);
   EXPECT_TRUE(state.stopped);
   EXPECT_TRUE(state.dq.isZero(0));
+}
+
+TEST(SimulatedArm, MovesOnWhileACycleIsLate) {
+  SimulatedArm::Options options;
+  options.q = bent(7);
+  double now = 0;  // s
+  options.clock = [&now] { return now; };
+  SimulatedArm arm(chain(), options);
+  const Joints dq = Joints::Constant(7, 0.1);
+  for (int i = 0; i < 200; ++i, now += 1e-3) arm.command(dq);
+  ArmState before, after;
+  arm.read(before);
+  now += 0.02;
+  arm.command(dq);
+  arm.read(after);
+  EXPECT_NEAR(after.q[0] - before.q[0], 0.1 * 0.021, 1e-6);
 }
 
 }  // namespace
