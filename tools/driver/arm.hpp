@@ -18,6 +18,9 @@ struct ArmState {
   math::Wrench wrench_S;   // N, N m: wrench of the sensor on the hand, at the origin of S
   bool has_wrench = true;  // false: a separate driver publishes FT_WRENCH
   bool stopped = false;    // an emergency stop is pressed, or the arm's own safety has stopped it
+  const char* stop_reason = "emergency stop";  // printed once while `stopped`
+  bool is_new = true;      // false: the state of the last cycle, which is not published again
+  bool restarted = false;  // the arm was absent since the last state: palpated waits for start
 };
 
 /// Hardware interface: the only class to implement for a new arm. Both functions are called once

@@ -2,16 +2,10 @@
 // own class (arm.hpp specifies it); everything else stays. See docs/own_robot.md.
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <palpate/channels.hpp>
-#include <palpate/ft_wrench_t.hpp>
-#include <palpate/robot_state_t.hpp>
-#include <thread>
 
-#include "joint_guard.hpp"
-#include "rt/bus/stamped_publisher.hpp"
+#include "driver.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/registry/arm_model.hpp"
@@ -20,12 +14,8 @@
 namespace {
 
 namespace bus = palpate::bus;
-namespace channel = palpate::channel;
 namespace driver = palpate::driver;
-using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as times of arrival
 using palpate::kinematics::SerialChain;
-
-constexpr std::chrono::milliseconds kPeriod(1);
 
 struct Options {
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
@@ -37,68 +27,6 @@ struct Options {
   // Initial pose in which the simulated arm holds the bar of rt/config/examples/bar_long_soft.yaml.
   std::vector<double> joints = {0.850909334647,   -1.5784872221,  -1.57624131756, 1.73160305961,
                                 0.00126629161428, 0.880668603759, 1.57936265436};
-};
-
-/// ROBOT_STATE at 500 Hz and FT_WRENCH at 1 kHz.
-class Telemetry {
- public:
-  Telemetry(bus::MessageBus& control, const SerialChain& chain)
-      : chain_(chain),
-        states_(control, channel::kRobotState, session_),
-        wrenches_(control, channel::kFtWrench, session_) {
-    state_.joint_count = chain.joint_count();
-  }
-
-  void publish(const driver::ArmState& arm) {
-    const std::int64_t utime = bus::wall_clock_us();
-    if (arm.has_wrench) {
-      palpate::ft_wrench_t reading{};
-      Eigen::Map<palpate::math::Vector6d>(reading.wrench) << arm.wrench_S.force,
-          arm.wrench_S.torque;
-      wrenches_.publish(reading, utime);
-    }
-    if (++tick_ % 2 != 0) return;
-    const int n = chain_.joint_count();
-    chain_.evaluate(arm.q, pose_);
-    Eigen::Map<Eigen::VectorXd>(state_.q, n) = arm.q;
-    Eigen::Map<Eigen::VectorXd>(state_.dq, n) = arm.dq;
-    Eigen::Map<Eigen::VectorXd>(state_.tau, n) = arm.tau;
-    Eigen::Map<Eigen::Vector3d>(state_.position) = pose_.X_WE.translation();
-    palpate::math::wxyz_from_rotation(pose_.X_WE.linear(), state_.quaternion);
-    Eigen::Map<palpate::math::Vector6d>(state_.twist) = pose_.J_W_E * arm.dq;
-    states_.publish(state_, utime);
-  }
-
- private:
-  SerialChain chain_;
-  SerialChain::State pose_;
-  palpate::robot_state_t state_{};
-  const std::int64_t session_ = bus::random_session();
-  bus::StampedPublisher<palpate::robot_state_t> states_;
-  bus::StampedPublisher<palpate::ft_wrench_t> wrenches_;
-  int tick_ = 0;
-};
-
-/// After an emergency stop the arm stays at rest until the daemon itself has commanded zero
-/// (palpate-command stop, then start): releasing the button does not request motion.
-class StopLatch {
- public:
-  /// Whether the arm must rest. `rest_commands`: see CommandInput.
-  bool holds(bool stopped, std::int64_t rest_commands) {
-    if (stopped) {
-      if (!held_) std::fprintf(stderr, "emergency stop: rests until palpated is stopped\n");
-      held_ = true;
-      before_ = rest_commands;
-    } else if (held_ && rest_commands > before_) {
-      std::fprintf(stderr, "palpated has stopped: may move again\n");
-      held_ = false;
-    }
-    return held_;
-  }
-
- private:
-  bool held_ = false;
-  std::int64_t before_ = 0;
 };
 
 volatile std::sig_atomic_t ended = 0;
@@ -118,39 +46,10 @@ int run(Options options) {
 
   driver::SimulatedArm arm(chain, options.arm);  // your class
   simulated = &arm;
-  driver::JointGuard guard(chain, options.guard);
-  StopLatch latch;
-
   const auto control = bus::make_lcm_bus(options.url);
-  driver::CommandInput input(*control, chain.joint_count(), access);
-  Telemetry telemetry(*control, chain);
-  control->start_without_thread();
-
-  const driver::Command rest;
-  driver::ArmState state;
-  driver::Joints still;
-  still.setZero(chain.joint_count());
-  for (auto next = Clock::now(); ended == 0;) {
-    control->receive(0);
-    const driver::Command& wanted =
-        input.read(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
-    if (arm.read(state)) {
-      const bool held = latch.holds(state.stopped, input.rest_commands());
-      arm.command(guard.limit(held ? rest : wanted, state.q));
-      telemetry.publish(state);
-    } else {
-      arm.command(still);
-    }
-    next += kPeriod;
-    if (next < Clock::now()) next = Clock::now();  // late: missed cycles are not made up
-    std::this_thread::sleep_until(next);
-  }
-  arm.command(still);
+  driver::Driver cell(*control, chain, options.guard, access, arm);
+  driver::run(cell, *control, ended);
   simulated = nullptr;
-  const driver::Counts counts = input.counts();
-  std::printf("%lld obeyed, %lld unauthorised, %lld rejected, %lld stops by the watchdog\n",
-              static_cast<long long>(counts.obeyed), static_cast<long long>(counts.unauthorised),
-              static_cast<long long>(counts.rejected), static_cast<long long>(counts.silences));
   return 0;
 }
 

@@ -23,6 +23,8 @@ class JointGuard {
 
   /// For the joints at `q`. Allocates nothing.
   const Joints& limit(const Command& command, const Joints& q);
+  /// The arm has been stopped otherwise: the next motion begins at rest.
+  void reset() { sent_.setZero(); }
 
  private:
   void follow(const math::Twist& V_W_E, const Joints& q);
