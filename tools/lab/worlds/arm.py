@@ -75,6 +75,10 @@ class Arm:
         self.V_WE = self.jacobian @ self.dq
         self.A_WE = (self.V_WE - before) / dt
 
+    def publish(self, channel: str, message: object) -> bool:
+        """Whether the arm's own messages contain what is to be published on the channel."""
+        return False
+
     def acceleration_at(self, offset: Floats) -> Floats:
         """Of the hand's point that lies `offset`, in W, from the origin of E: m/s^2 in W."""
         omega, alpha = self.V_WE[3:], self.A_WE[3:]

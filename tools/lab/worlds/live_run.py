@@ -63,7 +63,7 @@ class RunFiles:
         self.housekeeping = self.folder / "run.housekeeping.lcmlog"
 
 
-class _Program:
+class Program:
     """A process with its output in a file; ends with this one."""
 
     def __init__(self, name: str, words: Sequence[object], folder: Path) -> None:
@@ -98,19 +98,24 @@ class _Program:
             self.process.wait(_PATIENCE)
 
 
+def private_urls(count: int) -> list[str]:
+    """For this machine only."""
+    group = f"239.255.{random.randint(160, 250)}.{random.randint(1, 250)}"
+    port = random.randint(10000, 32000)
+    return [f"udpm://{group}:{port + i}?ttl=0" for i in range(count)]
+
+
 def run_live(plan: RunPlan, folder: Path) -> RunFiles:
     """Runs the plan; start and target reach the daemon before the world's first tick. Raises
     RunFailed, OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    group = f"239.255.{random.randint(160, 250)}.{random.randint(1, 250)}"
-    port = random.randint(10000, 32000)
-    control, housekeeping = (f"udpm://{group}:{port + i}?ttl=0" for i in range(2))
+    control, housekeeping = private_urls(2)
     urls = ["--set", f"bus.control={control}", "--set", f"bus.housekeeping={housekeeping}"]
     sets = [word for text in plan.overrides for word in ("--set", text)]
-    programs: list[_Program] = []
+    programs: list[Program] = []
 
-    def start(name: str, *words: object) -> _Program:
-        programs.append(_Program(name, words, folder))
+    def start(name: str, *words: object) -> Program:
+        programs.append(Program(name, words, folder))
         return programs[-1]
 
     try:

@@ -74,7 +74,8 @@ class Simulation:
 
     def publish(self) -> None:
         for channel, message in self._readings:
-            self._control.publish(channel, message)
+            if not self._arm.publish(channel, message):
+                self._control.publish(channel, message)
 
     def publish_truth(self) -> None:
         positions, X_OG, tick = self._settled
