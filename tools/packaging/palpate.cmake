@@ -62,7 +62,7 @@ endif()
 option(PALPATE_PCH "Precompile common headers" ON)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
 set(PALPATE_OFFLINE_FOLDERS
-  "^tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|tools|lcmtypes)|process)")
+  "^tools/(bridge|collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|tools|lcmtypes)|process)")
 if(PALPATE_PCH)
   set(kinds "")
   if(PALPATE_TESTS)

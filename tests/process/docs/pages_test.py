@@ -42,7 +42,8 @@ NOT_RUN = {
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that keep running, and their output when ready.
-READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-see": "clouds"}
+READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-drake": "waits for",
+         "palpate-see": "clouds"}
 
 
 class Workspace:
@@ -73,7 +74,7 @@ class Workspace:
         machine.
         """
         control, housekeeping = self.urls
-        if program in ("palpated", "palpate-sim"):
+        if program in ("palpated", "palpate-sim", "palpate-drake"):
             more = f" --set bus.control={control} --set bus.housekeeping={housekeeping}"
             if program == "palpated":
                 more += " --set loop.degraded_after_ms=9000 --set loop.overrun_window_ms=10000"

@@ -182,7 +182,9 @@ class CommandLine(unittest.TestCase):
             self.assertIn(expected, done.stderr)
 
     def test_help_needs_no_package(self) -> None:
-        for program in ("palpate-world", "measure_worlds", "make_object"):
+        for program in (
+            "palpate-world", "measure_worlds", "make_object", "drake_arm", "steer_drake_arm",
+        ):  # fmt: skip
             done = subprocess.run(
                 ["/usr/bin/python3", "-B", str(WORLDS / program), "--help"],
                 capture_output=True, text=True,

@@ -41,7 +41,8 @@ def with_links(text: str, page: Path, pages: set[str]) -> str:
             return label if relative in label else f"{label} (`{relative}`)"
         if name == "configuration.md":
             name = "configuration/index.md"
-        return f"{image}[{label}]({name}{'#' + anchor if anchor else ''})"
+        up = "" if page.parent == ROOT else "../" * len(page.parent.relative_to(ROOT / "docs").parts)
+        return f"{image}[{label}]({up}{name}{'#' + anchor if anchor else ''})"
 
     return LINK.sub(moved, text)
 
@@ -76,7 +77,7 @@ def write_sources(folder: Path) -> list[str]:
     """Fills the folder that mkdocs reads. Returns the navigation of the configuration's pages."""
     navigation: list[str] = []
     shutil.copytree(ROOT / "docs", folder, ignore=shutil.ignore_patterns("data", "*.md"))
-    pages = {path.name for path in (ROOT / "docs").glob("*.md")}
+    pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
     for name in sorted(pages):
         page = ROOT / "docs" / name
         text = with_links(page.read_text(), page, pages)

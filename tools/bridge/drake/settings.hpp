@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "gripper.hpp"
+#include "protocol.hpp"
+#include "rt/config/node.hpp"
+#include "shape_view.hpp"
+#include "tools/driver/joint_guard.hpp"
+
+namespace palpate::drake_bridge {
+
+/// Configuration of palpate-drake: docs/robots/drake.md.
+struct Settings {
+  enum class Kind { kIiwa, kPanda };
+
+  explicit Settings(kinematics::SerialChain arm) : chain(std::move(arm)) {}
+
+  Kind kind = Kind::kIiwa;
+  kinematics::SerialChain chain;
+  std::string status, command;               // channels of the arm
+  std::string wrench;                        // channel of lcmt_force_torque; empty: none
+  double stale = 0.05;                       // s
+  double follow = 0.02;                      // rad
+  std::string control, housekeeping, drake;  // LCM URLs
+  std::optional<bus::Key> key;
+  driver::JointGuard::Options guard;
+  std::optional<Gripper::Options> gripper;
+  std::optional<ShapeView::Options> shape;
+
+  /// Throws std::invalid_argument for a channel that is no valid name.
+  std::unique_ptr<Protocol> make_protocol(bus::MessageBus& bus) const;
+};
+
+/// Throws config::Error.
+Settings read_settings(const config::Node& root);
+
+}  // namespace palpate::drake_bridge
