@@ -106,8 +106,8 @@ class Steering(unittest.TestCase):
         mesh, last = log.mesh, log["SHAPE"].positions[-1]
         surface = last[sorted(set(mesh.triangles.ravel()))]
         self.assertEqual(len(surface), vertices.shape[1])
-        for low, high in ((vertices.min(axis=1), surface.min(axis=0)), (vertices.max(axis=1), surface.max(axis=0))):
-            np.testing.assert_allclose(low, high, atol=1e-3)
+        np.testing.assert_allclose(vertices.min(axis=1), surface.min(axis=0), atol=1e-3)
+        np.testing.assert_allclose(vertices.max(axis=1), surface.max(axis=0), atol=1e-3)
         np.testing.assert_allclose(pose.translation(), [1.36, 0.03, 0.28], atol=1e-6)
 
     def test_palpated_moves_a_panda_of_drake(self) -> None:
@@ -121,7 +121,7 @@ class Gripper(unittest.TestCase):
             control, housekeeping = private_urls(2)
             (folder / "bridge.yaml").write_text(
                 f"robot: {{arm: iiwa, urdf: {SOURCE}/sim/robot/lwr_hand.urdf}}\n"
-                f"bus: {{control: '{control}', housekeeping: '{housekeeping}', drake: '{DRAKE_URL}'}}\n"
+                f"bus: {{control: '{control}', housekeeping: '{housekeeping}'}}\n"  # one for both
                 "gripper: {force: 30}\n"
             )
             bridge = Program(
@@ -130,7 +130,7 @@ class Gripper(unittest.TestCase):
             self.addCleanup(bridge.end)
             bridge.wait_for("waits for")
             commands: "list[lcmt_schunk_wsg_command]" = []
-            lcm = DrakeLcm(DRAKE_URL)
+            lcm = DrakeLcm(control)
             lcm.Subscribe(
                 "SCHUNK_WSG_COMMAND", lambda data: commands.append(lcmt_schunk_wsg_command.decode(data))
             )

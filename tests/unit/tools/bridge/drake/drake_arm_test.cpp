@@ -53,6 +53,15 @@ TEST_P(EveryDriver, SendsNothingWithin250MsOfTheFirstStatus) {
   EXPECT_FALSE(cell.drake.gave_up());
 }
 
+TEST_P(EveryDriver, DoesNotMoveTheArmShortlyBeforeTheEndOfThatTime) {
+  Cell cell(GetParam());
+  cell.rest();
+  cell.run(200);
+  cell.move(kSpeed);
+  cell.run(400);
+  EXPECT_EQ(cell.drake.received(), 0) << "it has to be stopped and started";
+}
+
 TEST_P(EveryDriver, MovesAsCommandedAndReportsTheArm) {
   Cell cell(GetParam());
   start(cell, 0.2);
@@ -113,6 +122,21 @@ TEST_P(EveryDriver, ARestartedDriverIsANewSessionAndWaitsForStart) {
   EXPECT_LT((cell.drake.q() - stood).norm(), 1e-3);
   EXPECT_FALSE(cell.drake.gave_up());
   EXPECT_EQ(cell.arm->counts().absences, 1);
+}
+
+TEST_P(EveryDriver, ARestartedDriverIsNotMovedByAPalpatedThatHasNotStopped) {
+  Cell cell(GetParam());
+  start(cell);
+  cell.move(0);
+  cell.drake.is_mute = true;
+  cell.run(70);
+  cell.drake.is_mute = false;
+  cell.drake.restart();
+  cell.run(300);
+  const std::int64_t received = cell.drake.received();
+  cell.move(kSpeed);
+  cell.run(200);
+  EXPECT_EQ(cell.drake.received(), received);
 }
 
 TEST_P(EveryDriver, NamesATypeThatItRefuses) {
