@@ -54,21 +54,22 @@ ALLOWED = {
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
     "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/config rt/plugin",
     "tools/export": "core/math core/mesh core/elasticity rt/bus rt/config rt/registry sim/draw tools/common "
-                    "tools/log tools/drawing",
+                    "tools/log tools/drawing tools/types",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
     "tools/import": "core/math rt/config tools/common tools/log tools/recordings",
     "tools/mesh": "core/math core/mesh core/elasticity core/contact rt/config sim/draw tools/common tools/serve",
-    "tools/record": "rt/loop rt/bus rt/config tools/common",
+    "tools/record": "rt/loop rt/bus rt/config tools/common tools/types",
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/plugin rt/daemon rt/pipeline sim/scenes tools/common "
                        "tools/fit tools/recordings",
     "tools/replay": "core/math rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log "
                     "tools/record",
     "tools/serve": "rt/bus",
-    "tools/top": "rt/loop rt/config tools/common tools/record",
+    "tools/top": "rt/loop rt/config tools/common tools/record tools/types",
+    "tools/types": "",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity core/sensing rt/bus rt/client rt/config rt/registry "
-                  "tools/common tools/drawing tools/log tools/serve",
+                  "tools/common tools/drawing tools/log tools/serve tools/types",
     # Any may include core, rt, sim and tools; listed here are other folders of the laboratory.
     "tools/lab/inject": "",
     "tools/lab/baselines": "",
