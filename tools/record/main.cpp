@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -118,6 +119,7 @@ constexpr int kNoSpace = 3;  // exit code
 struct Options {
   record::RecorderOptions recorder;
   std::vector<std::string> urls, only;
+  std::vector<std::filesystem::path> types;
   std::string json;
   double flush_interval_ms = 100, seconds = 0;
   bool quiet = false, strftime = false;
@@ -154,8 +156,10 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("-v,--invert-channels", recorder.invert_channels,
                "the channels that do not match instead");
-  app.add_flag("--known-only", recorder.known_only,
-               "leave out what is none of palpate's types, or cannot be decoded as one");
+  palpate::types::add_types_option(app, options.types);
+  app.add_flag(
+      "--known-only", recorder.known_only,
+      "leave out what is none of palpate's types and none of --types, or cannot be decoded as one");
   auto* increment = app.add_flag("-i,--increment", files.increment,
                                  "append .00, .01, ...: the first that does not exist");
   auto* rotate = app.add_option("--rotate", files.rotate,
@@ -238,6 +242,7 @@ int run(Options& options, const sigset_t& signals) {
   record::RecorderOptions& settings = options.recorder;
   const std::vector<record::Source> sources = chosen_sources(options);
   for (const record::Source& source : sources) settings.labels.push_back(source.label);
+  settings.types = palpate::types::TypeSet(options.types);
   settings.flush_interval = 1e-3 * options.flush_interval_ms;
   if (settings.name.empty()) {
     settings.name = record::by_time("palpate-%Y%m%d-%H%M%S.lcmlog", std::time(nullptr));

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "tools/types/decoder.hpp"
+
 namespace palpate::record {
 namespace {
 
@@ -32,6 +34,16 @@ MessageHeader header_of(const void* data) noexcept {
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   return {big_endian<std::int64_t>(bytes + 8), big_endian<std::int32_t>(bytes + 16),
           big_endian<std::int64_t>(bytes + 20)};
+}
+
+Recognised recognise(const void* data, int size, const types::TypeSet& foreign) {
+  if (const MessageType* own = type_of(data, size)) {
+    const bool fits = own->fits(data, size);
+    return {&own->name, fits, fits};
+  }
+  const types::Struct* type = foreign.type_of(data, size);
+  if (type == nullptr) return {};
+  return {&type->name, types::fits(*type, data, size), false};
 }
 
 void SequenceGaps::take(const MessageHeader& header) {

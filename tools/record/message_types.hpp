@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/types/type_set.hpp"
+
 namespace palpate::record {
 
 /// One of palpate's types, all of which begin with utime, seq and session.
@@ -32,6 +34,16 @@ inline constexpr int kMessageHeaderSize = 28;  // with the fingerprint in front
 
 /// Header of a message of a known type; `data` holds at least kMessageHeaderSize bytes.
 MessageHeader header_of(const void* data) noexcept;
+
+/// What is known of an encoded message.
+struct Recognised {
+  const std::string* type = nullptr;  // its name; nullptr: unknown
+  bool fits = false;                  // it can be decoded as this type
+  bool has_header = false;            // and begins with a MessageHeader: it is one of palpate's
+};
+
+/// Looks first among palpate's types, then among `foreign`. Safe for any bytes.
+Recognised recognise(const void* data, int size, const types::TypeSet& foreign);
 
 /// Counts the lost messages of one channel, by the gaps in each sender's sequence. A message that
 /// arrives late is subtracted again.

@@ -50,17 +50,14 @@ Recorder::Recorder(RecorderOptions options, FreeSpace free_space)
 
 void Recorder::take(const Heard& heard) {
   if (!filter_.wants(heard.channel)) return;
-  const MessageType* type = type_of(heard.data, heard.size);
-  const bool fits = type != nullptr && type->fits(heard.data, heard.size);
+  const Recognised message = recognise(heard.data, heard.size, options_.types);
   const std::lock_guard<std::mutex> lock(mutex_);
   Channel& channel = channel_of(heard);
   ChannelSummary& summary = channel.summary;
-  if (type != nullptr && !fits) ++summary.misfits;
-  if (!fits && options_.known_only) return;
-  if (fits) {
-    summary.type = type->name;
-    channel.gaps.take(header_of(heard.data));
-  }
+  if (message.type != nullptr && !message.fits) ++summary.misfits;
+  if (!message.fits && options_.known_only) return;
+  if (message.fits) summary.type = *message.type;
+  if (message.has_header) channel.gaps.take(header_of(heard.data));
   const std::int64_t room = heard.size + kPendingOverhead;
   if (static_cast<double>(pending_bytes_ + room) > options_.max_unwritten_mb * kRecorderMegabyte) {
     ++unwritten_;

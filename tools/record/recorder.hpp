@@ -21,6 +21,7 @@ struct RecorderOptions {
   LogFileOptions files;
   std::string channels = ".*";
   bool invert_channels = false;
+  types::TypeSet types;           // known besides palpate's
   bool known_only = false;        // omit messages of unknown types
   double flush_interval = 0.1;    // s
   double max_unwritten_mb = 100;  // received but not written; beyond it messages are dropped
