@@ -32,17 +32,16 @@ void ChannelTable::take(const record::Heard& heard) {
   Channel& channel = channels_[{heard.source, name}];
   ++channel.messages;
   Arrival arrival{heard.arrival_ns, heard.size, 0, false};
-  const record::MessageType* type = record::type_of(heard.data, heard.size);
-  if (type != nullptr && type->fits(heard.data, heard.size)) {
-    channel.type = type->name;
+  const record::Recognised message = record::recognise(heard.data, heard.size, types_);
+  if (message.fits) channel.type = *message.type;
+  if (message.type != nullptr && !message.fits) ++channel.misfits;
+  if (message.has_header) {
     const record::MessageHeader header = record::header_of(heard.data);
     channel.gaps.take(header);
     // A difference that does not overflow for any value in a message.
     const double apart = static_cast<double>(heard.utime) - static_cast<double>(header.utime);
     arrival.has_latency = std::abs(apart) < static_cast<double>(kOtherClock);
     if (arrival.has_latency) arrival.latency_us = heard.utime - header.utime;
-  } else if (type != nullptr) {
-    ++channel.misfits;
   }
   channel.recent.push_back(arrival);
   while (channel.recent.size() > kMostKept ||

@@ -37,6 +37,9 @@ Order next(Order order) noexcept;
 /// Rates, gaps and ages of every received channel.
 class ChannelTable {
  public:
+  /// `types`: known besides palpate's.
+  explicit ChannelTable(types::TypeSet types = {}) : types_(std::move(types)) {}
+
   void take(const record::Heard& heard);
   /// `now_ns`: CLOCK_MONOTONIC, as messages arrive.
   std::vector<ChannelRow> rows(std::int64_t now_ns, Order order = Order::kName) const;
@@ -57,6 +60,7 @@ class ChannelTable {
   };
   static ChannelRow row_of(const Channel& channel, std::int64_t now_ns);
 
+  types::TypeSet types_;
   std::map<std::pair<int, std::string>, Channel> channels_;
 };
 

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -104,7 +105,8 @@ namespace {
 using namespace palpate;
 
 struct Options {
-  std::vector<std::string> urls;
+  std::vector<std::string> urls, shown;
+  std::vector<std::filesystem::path> types;
   std::string json;
   bool once = false, plain = false;
   double seconds = 3;
@@ -116,7 +118,8 @@ constexpr char kHelp[] =
     "phase,\n"
     "overruns, faults and inputs as HEALTH reports them, and of every channel the rate, jitter\n"
     "(standard deviation and longest interval, ms), age, latency (from the sender's clock, ms),\n"
-    "losses (gaps in the numbers), bandwidth, and whether its type is one of palpate's.\n"
+    "losses (gaps in the numbers), bandwidth, and its type, where it is one of palpate's or of\n"
+    "--types. Latency and losses are known of palpate's types only.\n"
     "It only listens, through palpate's guarded receiver: no packet can end it.\n"
     "Keys: q quit, s sort by another column, r reset, arrows, j, k and page keys scroll.";
 constexpr char kExamples[] =
@@ -124,34 +127,45 @@ constexpr char kExamples[] =
     "  palpate-top\n"
     "  palpate-top --once --seconds 5 > now.txt\n"
     "  palpate-top --json -                        JSON on standard output\n"
+    "  palpate-top --types drake/lcmtypes --show IIWA_STATUS\n"
+    "                                              the values of a message of any LCM type\n"
     "  palpate-top --url control=udpm://239.255.76.67:7700?ttl=0\n"
     "Colours are left out with --plain, NO_COLOR set, or TERM=dumb.";
 
 /// Data shared by the receiver and the display.
 class Everything {
  public:
+  Everything(const types::TypeSet& types, const std::vector<std::string>& shown)
+      : channels_(types), shows_(!shown.empty()), values_(types, shown) {}
   void take(const record::Heard& heard) {
     const std::lock_guard<std::mutex> lock(mutex_);
     channels_.take(heard);
     daemon_.take(heard);
+    if (shows_)
+      values_.take(heard.source, heard.channel, heard.data, heard.size, heard.arrival_ns / 1000);
   }
   void clear() {
     const std::lock_guard<std::mutex> lock(mutex_);
     channels_.clear();
+    values_.clear();
   }
   /// Calls `use` with the current data.
   template <class Use>
   auto look(const record::Listener& listener, top::Order order, Use use) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const std::int64_t now_ns = loop::monotonic_ns();
-    return use(
-        top::View{&listener, listener.sources(), channels_.rows(now_ns, order), &daemon_, now_ns});
+    return use(top::View{&listener, listener.sources(), channels_.rows(now_ns, order), &daemon_,
+                         now_ns, values_.shown(kMostValues)});
   }
 
  private:
+  static constexpr std::size_t kMostValues = 10'000;  // of a message
+
   std::mutex mutex_;
   top::ChannelTable channels_;
   top::DaemonWatch daemon_;
+  bool shows_;
+  types::MessageValues values_;
 };
 
 void sleep_until_stopped(double seconds) {
@@ -219,7 +233,7 @@ int show(Everything& everything, const record::Listener& listener, const Options
 int run(const Options& options) {
   std::vector<record::Source> sources = record::default_sources();
   record::put_urls(options.urls, sources);
-  Everything everything;
+  Everything everything(types::TypeSet(options.types), options.shown);
   record::Listener listener(sources, [&](const record::Heard& heard) { everything.take(heard); });
   listener.start();
   const bool prints = options.once || !options.json.empty();
@@ -235,6 +249,11 @@ int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
   record::add_url_option(app, options.urls);
+  types::add_types_option(app, options.types);
+  app.add_option("--show", options.shown,
+                 "show the values of this channel's last message too (repeatable)")
+      ->type_name("CHANNEL")
+      ->allow_extra_args(false);
   app.add_flag("--once", options.once, "print plain text once and end");
   app.add_option("--json", options.json,
                  "write JSON to this file, or - for standard output, and end")

@@ -161,6 +161,38 @@ void add_channels(const View& view, std::vector<Line>& lines) {
   if (view.rows.empty()) lines.push_back({"nothing heard on any channel", Tone::kWarning});
 }
 
+/// Numbers of one array share lines.
+void add_values(const types::ShownMessage& message, std::vector<Line>& lines) {
+  for (std::size_t i = 0; i < message.values.size();) {
+    const std::size_t end = types::line_end(message.values, i);
+    const auto [name, text] = types::line_of(message.values, i, end);
+    lines.push_back({formatted("  %-32s ", name.c_str()) + text});
+    i = end;
+  }
+  if (message.left_out > 0)
+    lines.push_back({formatted("  and %lld values more", static_cast<Count>(message.left_out))});
+}
+
+double age_of(const types::ShownMessage& message, std::int64_t now_ns) {
+  return std::max(0.0, 1e-9 * static_cast<double>(now_ns - 1000 * message.time_us));
+}
+
+void add_messages(const View& view, std::vector<Line>& lines) {
+  for (const types::ShownMessage& message : view.messages) {
+    const std::string head = view.sources[static_cast<std::size_t>(message.source)].label + " " +
+                             message.channel + ", " + age(age_of(message, view.now_ns)) + " old";
+    if (message.type.empty())
+      lines.push_back(
+          {head + ": of a type that is not known; --types names descriptions", Tone::kWarning});
+    else if (!message.fits)
+      lines.push_back({head + ": broken, no " + message.type, Tone::kBad});
+    else
+      lines.push_back({head + ": " + message.type, Tone::kTitle});
+    add_values(message, lines);
+    lines.push_back({""});
+  }
+}
+
 void add_datagrams(const View& view, std::vector<Line>& lines) {
   if (view.listener == nullptr) return;
   for (int i = 0; i < static_cast<int>(view.sources.size()); ++i) {
@@ -235,6 +267,7 @@ std::vector<Line> lines_of(const View& view) {
   lines.push_back({""});
   add_channels(view, lines);
   lines.push_back({""});
+  add_messages(view, lines);
   add_datagrams(view, lines);
   return lines;
 }
@@ -268,6 +301,23 @@ nlohmann::json json_of(const View& view) {
                                 {"misfits", row.misfits},
                                 {"senders", row.senders},
                                 {"bandwidth", row.bandwidth}});
+  }
+  for (const types::ShownMessage& message : view.messages) {
+    nlohmann::json values = nlohmann::json::object();
+    for (const types::ShownMessage::Value& value : message.values) {
+      // A text that JSON takes as a number has the same value; nan and inf stay texts.
+      const bool is_json = value.is_number && nlohmann::json::accept(value.text);
+      values[value.path] = is_json ? nlohmann::json::parse(value.text) : nlohmann::json(value.text);
+    }
+    json["values"].push_back({{"url", view.sources[static_cast<std::size_t>(message.source)].label},
+                              {"channel", message.channel},
+                              {"type", message.type},
+                              {"fits", message.fits},
+                              {"age_s", age_of(message, view.now_ns)},
+                              {"messages", message.messages},
+                              {"malformed", message.malformed},
+                              {"left_out", message.left_out},
+                              {"fields", values}});
   }
   for (int i = 0; view.listener != nullptr && i < static_cast<int>(view.sources.size()); ++i) {
     const bus::DatagramCounters& counters = view.listener->datagrams(i);

@@ -8,6 +8,7 @@
 #include "tools/record/listener.hpp"
 #include "tools/top/channel_table.hpp"
 #include "tools/top/daemon_watch.hpp"
+#include "tools/types/message_values.hpp"
 
 namespace palpate::top {
 
@@ -26,9 +27,11 @@ struct View {
   std::vector<ChannelRow> rows;
   const DaemonWatch* daemon = nullptr;
   std::int64_t now_ns = 0;
+  std::vector<types::ShownMessage> messages = {};  // whose values are shown
 };
 
-/// The daemon's state with cycle times by phase and inputs, then the channels, one line each.
+/// The daemon's state with cycle times by phase and inputs, then the channels, one line each, and
+/// the values of messages.
 std::vector<Line> lines_of(const View& view);
 
 /// The same as data for programs.
