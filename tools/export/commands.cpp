@@ -32,6 +32,7 @@ void add_source(CLI::App& command, SourceOptions& options) {
                   "are merged by time")
       ->required()
       ->check(CLI::ExistingFile);
+  types::add_types_option(command, options.types);
   command
       .add_option(
           "--clock", options.clock,
@@ -61,12 +62,12 @@ void report(const std::vector<Written>& written, const Source& source) {
     std::cout << file.file.string() << ": " << file.what << ", " << file.count << '\n';
   const Survey& found = source.found();
   for (const ChannelSurvey& channel : found.channels)
-    if (!channel.type)
+    if (!channel.is_known())
       std::cerr << "skipped: " << channel.messages << " messages of an unknown type on "
                 << channel.channel << '\n';
     else if (channel.broken > 0)
       std::cerr << "skipped: " << channel.broken << " broken messages on " << channel.channel
-                << " (" << channel.type->name << ")\n";
+                << " (" << channel.type_name() << ")\n";
 }
 
 void add_stiffness(CLI::App& command, FollowerOptions& options) {

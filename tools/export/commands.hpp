@@ -23,7 +23,7 @@ void add_vtu(CLI::App& app, std::function<void()>& chosen);
 void add_png(CLI::App& app, std::function<void()>& chosen);
 void add_mp4(CLI::App& app, std::function<void()>& chosen);
 
-/// Adds logs, --clock, --from, --to and --quiet to a command.
+/// Adds logs, --types, --clock, --from, --to and --quiet to a command.
 void add_source(CLI::App& command, SourceOptions& options);
 
 /// Adds --channel.

@@ -8,6 +8,7 @@
 
 #include "rt/bus/checked_decode.hpp"
 #include "rt/bus/event_log_reader.hpp"
+#include "tools/export/foreign_json.hpp"
 #include "tools/export/foxglove.hpp"
 #include "tools/export/json_schema.hpp"
 #include "tools/export/mcap_writer.hpp"
@@ -29,7 +30,7 @@ class Exporter {
   Exporter(Source& source, const McapOptions& options, const std::filesystem::path& file)
       : source_(&source), options_(options), mcap_(file, options.compression) {
     for (const ChannelSurvey& channel : source.found().channels)
-      if (source.is_selected(channel)) add_channel(channel);
+      if (source.is_selected(channel) || source.is_foreign_selected(channel)) add_channel(channel);
     const bool wants_scene = options.scene_rate > 0 && ShapeFollower::is_possible(source) &&
                              (selects(channel::kShape) || selects(channel::kTruthShape));
     if (!wants_scene) return;
@@ -60,14 +61,15 @@ class Exporter {
         [&](const Message& message) {
           if (source_->is_in_time(message.time)) add_message(message);
           if (follows(message.event.channel)) follower_->follow(message, take);
-        });
+        },
+        [&](const ForeignMessage& message) { add_message(message); });
     if (follower_) follower_->end(take);
     mcap_.finish();
     return {{mcap_.path(), "messages", static_cast<std::int64_t>(mcap_.message_count())}};
   }
 
  private:
-  using Key = std::pair<std::string, const log::TypeInfo*>;
+  using Key = std::pair<std::string, const void*>;  // channel, and its type
 
   bool selects(const std::string& name) const {
     return std::any_of(channels_.begin(), channels_.end(),
@@ -76,11 +78,24 @@ class Exporter {
 
   void add_channel(const ChannelSurvey& channel) {
     if (channel.messages == channel.broken) return;
-    const log::TypeInfo& type = *channel.type;
-    auto& schema = schemas_["palpate." + type.name];
-    if (schema == 0) schema = mcap_.add_schema("palpate." + type.name, json_schema(type).dump());
-    channels_[{channel.channel, channel.type}] =
-        mcap_.add_channel(channel.channel, schema, {{"lcm_type", type.name}});
+    const bool is_own = channel.type != nullptr;
+    const std::string name = (is_own ? "palpate." : "") + channel.type_name();
+    auto& schema = schemas_[name];
+    if (schema == 0)
+      schema = mcap_.add_schema(
+          name, (is_own ? json_schema(*channel.type) : json_schema(*channel.foreign)).dump());
+    channels_[{channel.channel, channel.type_address()}] =
+        mcap_.add_channel(channel.channel, schema, {{"lcm_type", channel.type_name()}});
+  }
+
+  /// Other types have no sequence number and no time of their own.
+  void add_message(const ForeignMessage& message) {
+    const auto found = channels_.find({message.event.channel, &message.type});
+    if (found == channels_.end()) return;
+    text_.clear();
+    append_json(message.type, message.event.data, message.event.size, text_);
+    mcap_.add_message(found->second, foreign_sequences_[found->second]++,
+                      nanoseconds(message.utime), nanoseconds(message.utime), text_);
   }
 
   void add_message(const Message& message) {
@@ -152,6 +167,7 @@ class Exporter {
   std::optional<ShapeFollower> follower_;
   std::map<std::string, std::uint16_t> schemas_;  // by name
   std::map<Key, std::uint16_t> channels_;
+  std::map<std::uint16_t, std::uint32_t> foreign_sequences_;
   std::map<std::string, Topic> topics_;  // of the added channels
   double next_flange_ = -1e300, next_scene_ = -1e300;
   std::string text_;

@@ -17,10 +17,11 @@ struct McapOptions {
 };
 
 /// Writes the selected channels to one MCAP file as JSON messages with their schemas
-/// (palpate.TYPE). log_time is that of the selected clock, publish_time the sender's utime. For
-/// Foxglove's 3-D view it adds /shape/estimate and /shape/truth (SceneUpdate, in frame O), /flange
-/// (PoseInFrame) and /tf (FrameTransform), and a PointCloud for each channel of
-/// shape_observation_t, as far as the selected channels provide them. Throws std::runtime_error.
+/// (palpate.TYPE; those of SourceOptions::types by their own names). log_time is that of the
+/// selected clock, publish_time the sender's utime. For Foxglove's 3-D view it adds /shape/estimate
+/// and /shape/truth (SceneUpdate, in frame O), /flange (PoseInFrame) and /tf (FrameTransform), and
+/// a PointCloud for each channel of shape_observation_t, as far as the selected channels provide
+/// them. Throws std::runtime_error.
 std::vector<Written> export_mcap(Source& source, const McapOptions& options,
                                  const std::filesystem::path& file);
 

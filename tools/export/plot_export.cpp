@@ -83,6 +83,8 @@ struct Selected {
   const log::TypeInfo* type = nullptr;
   int field = 0;
   std::vector<int> indices;
+  const types::Struct* foreign = nullptr;                   // in place of type, field and indices
+  std::map<std::vector<std::int64_t>, std::size_t> places;  // of its numbers: their curves
   bool is_norm = false;
   std::string title, unit;
   std::vector<std::string> titles;
@@ -131,8 +133,57 @@ std::vector<int> indices_of(const log::FieldInfo& field, const FieldPath& path, 
   return indices;
 }
 
+constexpr std::size_t kMostCurves = 64;
+
+[[noreturn]] void fail_of_curves(const std::string& text, std::size_t count,
+                                 const std::string& field) {
+  throw std::runtime_error(text + " are " + std::to_string(count) +
+                           " curves; at most 64 can be distinguished: name a range, as " + field +
+                           "[0:6]");
+}
+
+/// s without messages, after which a curve is broken.
+double silence_of(const ChannelSurvey& channel, double begin, double end) {
+  constexpr double kSilence = 10;  // times the mean interval between two messages
+  return kSilence * (end - begin) / static_cast<double>(channel.messages);
+}
+
+/// The channel of another type that a path begins with; nullptr if there is none.
+const ChannelSurvey* foreign_channel_of(const Survey& survey, const std::string& path) {
+  for (const ChannelSurvey& channel : survey.channels)
+    if (channel.foreign != nullptr && path.rfind(channel.channel + ".", 0) == 0) return &channel;
+  return nullptr;
+}
+
+Selected select_foreign(const ChannelSurvey& channel, const std::string& text,
+                        const std::string& path, bool is_norm, double begin, double end) {
+  Selected selected;
+  selected.channel = channel.channel;
+  selected.foreign = channel.foreign;
+  selected.is_norm = is_norm;
+  const std::string field = path.substr(channel.channel.size() + 1);
+  for (const auto& key : channel.foreign_columns.select(field)) {
+    selected.places.emplace(key, is_norm ? 0 : selected.titles.size());
+    if (!is_norm)
+      selected.titles.push_back(channel.channel + "." +
+                                channel.foreign_columns.columns().at(key).path);
+  }
+  if (selected.places.empty())
+    throw std::runtime_error("'" + text + "': no number of " + channel.type_name() + " on " +
+                             channel.channel + " has this name; palpate-export info --fields " +
+                             "lists them");
+  if (is_norm) selected.titles = {text};
+  if (selected.titles.size() > kMostCurves) fail_of_curves(text, selected.titles.size(), path);
+  selected.curves.assign(selected.titles.size(),
+                         Envelope(begin, end, silence_of(channel, begin, end)));
+  return selected;
+}
+
 Selected select(const Survey& survey, const std::string& text, double begin, double end) {
-  constexpr std::size_t kMostCurves = 64;
+  const bool is_norm = text.rfind("norm(", 0) == 0 && text.back() == ')';
+  const std::string inner = is_norm ? text.substr(5, text.size() - 6) : text;
+  if (const ChannelSurvey* channel = foreign_channel_of(survey, inner))
+    return select_foreign(*channel, text, inner, is_norm, begin, end);
   const FieldPath path = parse_field_path(text);
   const ChannelSurvey& channel = channel_of(survey, path);
   Selected selected;
@@ -149,17 +200,14 @@ Selected select(const Survey& survey, const std::string& text, double begin, dou
     selected.titles = {text};
   } else {
     if (selected.indices.size() > kMostCurves)
-      throw std::runtime_error(text + " are " + std::to_string(selected.indices.size()) +
-                               " curves; at most 64 can be distinguished: name a range, as " +
-                               path.channel + "." + path.field + "[0:6]");
+      fail_of_curves(text, selected.indices.size(), path.channel + "." + path.field);
     for (const int index : selected.indices)
       selected.titles.push_back(path.channel + "." + element_name(field, index));
     for (const int index : selected.indices)
       if (unit_text(field, index) != selected.unit) selected.unit += ", " + unit_text(field, index);
   }
-  constexpr double kSilence = 10;  // times the mean interval between two messages
-  const double silence = kSilence * (end - begin) / static_cast<double>(channel.messages);
-  selected.curves.assign(selected.titles.size(), Envelope(begin, end, silence));
+  selected.curves.assign(selected.titles.size(),
+                         Envelope(begin, end, silence_of(channel, begin, end)));
   return selected;
 }
 
@@ -178,6 +226,23 @@ void take(Selected& selected, const Message& message) {
     if (!selected.is_norm) selected.curves[i].add(message.time, value);
   }
   if (selected.is_norm) selected.curves.front().add(message.time, std::sqrt(square));
+}
+
+void take(Selected& selected, const ForeignMessage& message) {
+  if (selected.channel != message.event.channel || selected.foreign != &message.type) return;
+  double square = 0;
+  std::size_t count = 0;
+  types::each_leaf(message.type, message.event.data, message.event.size,
+                   [&](const types::Leaf& leaf) {
+                     const auto place = selected.places.find(leaf.key());
+                     if (place == selected.places.end()) return;
+                     ++count;
+                     square += leaf.number() * leaf.number();
+                     if (!selected.is_norm)
+                       selected.curves[place->second].add(message.time, leaf.number());
+                   });
+  if (selected.is_norm && count == selected.places.size())
+    selected.curves.front().add(message.time, std::sqrt(square));
 }
 
 /// Paths of one panel; commas inside brackets do not separate them.
@@ -272,10 +337,11 @@ int export_plot(Source& source, const std::vector<std::string>& panels,
     for (const std::string& path : paths_of(panel))
       selected.back().push_back(select(survey, path, begin, end));
   }
-  source.each("reading", [&selected](const Message& message) {
+  const auto take_all = [&selected](const auto& message) {
     for (std::vector<Selected>& panel : selected)
       for (Selected& one : panel) take(one, message);
-  });
+  };
+  source.each("reading", take_all, take_all);
   std::vector<common::Plot> plots;
   int count = 0;
   for (std::size_t i = 0; i < panels.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -68,9 +69,11 @@ bool fits(const std::string& pattern, const std::string& name) {
   return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
 }
 
-Source::Source(const SourceOptions& options) : options_(options), log_(options.logs) {
+Source::Source(const SourceOptions& options)
+    : options_(options), types_(options.types), log_(options.logs) {
   Stage stage(options_.quiet, "looking through the log", log_.size());
-  survey_ = survey(log_, [&stage](double part) { stage.show(part); });
+  survey_ = survey(
+      log_, [&stage](double part) { stage.show(part); }, types_);
   stage.finish();
   for (const std::string& complaint : survey_.complaints)
     std::cerr << "warning: " << complaint << std::endl;
@@ -86,7 +89,14 @@ Source::Source(const SourceOptions& options) : options_(options), log_(options.l
 }
 
 bool Source::is_selected(const ChannelSurvey& channel) const {
-  if (channel.type == nullptr) return false;
+  return channel.type != nullptr && matches(channel);
+}
+
+bool Source::is_foreign_selected(const ChannelSurvey& channel) const {
+  return channel.foreign != nullptr && matches(channel);
+}
+
+bool Source::matches(const ChannelSurvey& channel) const {
   if (options_.channels.empty()) return true;
   return std::any_of(
       options_.channels.begin(), options_.channels.end(),
@@ -97,12 +107,14 @@ std::int64_t Source::origin() const {
   return options_.clock == Clock::kReceived ? survey_.received.first : survey_.sent.first;
 }
 
-void Source::each(const std::string& title, const std::function<void(const Message&)>& take) {
+void Source::each(const std::string& title, const std::function<void(const Message&)>& take,
+                  const std::function<void(const ForeignMessage&)>& take_foreign) {
   read(
       title, [this](const ChannelSurvey& channel) { return is_selected(channel); },
       [this, &take](const Message& message) {
         if (is_in_time(message.time)) take(message);
-      });
+      },
+      take_foreign);
 }
 
 void Source::each_of(const std::string& title, const std::vector<std::string>& channels,
@@ -114,7 +126,12 @@ void Source::each_of(const std::string& title, const std::vector<std::string>& c
 }
 
 void Source::read(const std::string& title, const std::function<bool(const ChannelSurvey&)>& wanted,
-                  const std::function<void(const Message&)>& take) {
+                  const std::function<void(const Message&)>& take,
+                  const std::function<void(const ForeignMessage&)>& take_foreign) {
+  std::set<std::pair<std::string, const types::Struct*>> foreign;
+  for (const ChannelSurvey& channel : survey_.channels)
+    if (take_foreign && is_foreign_selected(channel))
+      foreign.insert({channel.channel, channel.foreign});
   std::unordered_map<std::string, std::vector<std::unique_ptr<log::Record>>> records;
   for (const ChannelSurvey& channel : survey_.channels)
     if (channel.type && wanted(channel))
@@ -130,12 +147,18 @@ void Source::read(const std::string& title, const std::function<bool(const Chann
       const std::optional<Head> head = head_of(*event);
       if (head && survey_.strange_clocks.count(head->session) == 0) last_sent = head->utime;
     }
+    const std::int64_t utime = options_.clock == Clock::kReceived ? event->utime : last_sent;
+    if (!foreign.empty() && is_in_time(time(utime))) {
+      const types::Struct* described = types_.type_of(event->data, event->size);
+      if (described != nullptr && foreign.count({event->channel, described}) > 0 &&
+          types::fits(*described, event->data, event->size))
+        take_foreign({*event, *described, time(utime), utime});
+    }
     const auto found = records.find(event->channel);
     if (found == records.end()) continue;
     const log::TypeInfo* type = log::type_of(event->data, event->size);
     for (const auto& record : found->second) {
       if (&record->type() != type || !record->decode(event->data, event->size)) continue;
-      const std::int64_t utime = options_.clock == Clock::kReceived ? event->utime : last_sent;
       take({*event, *record, time(utime), utime});
     }
   }

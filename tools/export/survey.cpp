@@ -31,6 +31,10 @@ void count(Entry& entry, const bus::LoggedEvent& event) {
     channel.longest_gap = std::max(channel.longest_gap, event.utime - channel.received.last);
   channel.bytes += event.size;
   channel.received.add(event.utime);
+  if (channel.foreign != nullptr) {
+    if (!channel.foreign_columns.add(*channel.foreign, event.data, event.size)) ++channel.broken;
+    return;
+  }
   if (!entry.record) return;
   if (!entry.record->decode(event.data, event.size)) {
     ++channel.broken;
@@ -90,7 +94,8 @@ std::string clock_text(std::int64_t utime) {
 
 void print_row(std::ostream& out, const ChannelSurvey& channel) {
   char text[256];
-  const std::string type = channel.type ? channel.type->name : "? " + hex(channel.fingerprint);
+  const std::string type =
+      channel.is_known() ? channel.type_name() : "? " + hex(channel.fingerprint);
   std::snprintf(text, sizeof text, "%-26s %-26s %9lld %9.1f %9.1f %8lld %7lld %9zu",
                 channel.channel.c_str(), type.c_str(), static_cast<long long>(channel.messages),
                 channel.rate(), 1e-3 * static_cast<double>(channel.longest_gap),
@@ -131,6 +136,30 @@ std::string units_of(const log::FieldInfo& field) {
   return text;
 }
 
+/// One line for each array or number; arrays as long as their longest one.
+void print_foreign_fields(const ChannelSurvey& channel, std::ostream& out) {
+  out << channel.channel << "  (" << channel.foreign->name << ": " << channel.foreign->comment
+      << ")\n";
+  if (channel.foreign_columns.is_too_wide())
+    out << "  more than " << ForeignColumns::kMost << " values\n";
+  const auto& columns = channel.foreign_columns.columns();
+  for (auto column = columns.begin(); column != columns.end();) {
+    const types::Member* member = column->second.member;
+    const std::string first = column->second.path;
+    const std::string array = first.substr(0, first.rfind('['));
+    std::int64_t count = 0;
+    do {
+      ++count;
+      ++column;
+    } while (first.back() == ']' && column != columns.end() && column->second.member == member &&
+             column->second.path.substr(0, column->second.path.rfind('[')) == array);
+    const std::string name = count > 1 ? array + "[" + std::to_string(count) + "]" : first;
+    out << common::formatted("  %-34s %-14s %s", name.c_str(), member->type.c_str(),
+                             member->comment.c_str())
+        << '\n';
+  }
+}
+
 }  // namespace
 
 void TimeSpan::add(std::int64_t utime) {
@@ -150,6 +179,10 @@ std::int64_t ChannelSurvey::lost() const {
   return sum;
 }
 
+std::string ChannelSurvey::type_name() const {
+  return type != nullptr ? type->name : foreign != nullptr ? foreign->name : "";
+}
+
 const ChannelSurvey* Survey::find(const std::string& channel, const log::TypeInfo* type) const {
   for (const ChannelSurvey& entry : channels)
     if (entry.channel == channel && entry.type == type) return &entry;
@@ -158,7 +191,7 @@ const ChannelSurvey* Survey::find(const std::string& channel, const log::TypeInf
 
 std::int64_t Survey::unknown() const {
   std::int64_t sum = 0;
-  for (const ChannelSurvey& channel : channels) sum += channel.type ? 0 : channel.messages;
+  for (const ChannelSurvey& channel : channels) sum += channel.is_known() ? 0 : channel.messages;
   return sum;
 }
 
@@ -168,7 +201,8 @@ std::int64_t Survey::broken() const {
   return sum;
 }
 
-Survey survey(log::MergedLog& log, const std::function<void(double)>& progress) {
+Survey survey(log::MergedLog& log, const std::function<void(double)>& progress,
+              const types::TypeSet& foreign) {
   std::map<std::pair<std::string, std::uint64_t>, Entry> entries;
   Survey result;
   result.bytes = log.size();
@@ -187,6 +221,8 @@ Survey survey(log::MergedLog& log, const std::function<void(double)>& progress) 
       if (entry.survey.type) {
         entry.record.emplace(*entry.survey.type);
         entry.survey.widths.resize(entry.survey.type->fields.size());
+      } else {
+        entry.survey.foreign = foreign.type_of(event->data, event->size);
       }
     }
     count(entry, *event);
@@ -210,13 +246,12 @@ void print_info(const Survey& survey, std::ostream& out) {
                            "rate, Hz", "gap, ms", "lost", "broken", "sessions")
       << '\n';
   for (const ChannelSurvey& channel : survey.channels)
-    if (channel.type) print_row(out, channel);
+    if (channel.is_known()) print_row(out, channel);
   for (const ChannelSurvey& channel : survey.channels)
-    if (!channel.type) print_row(out, channel);
+    if (!channel.is_known()) print_row(out, channel);
   out << '\n';
   for (const ChannelSurvey& channel : survey.channels) print_sessions(out, channel);
-  out << survey.unknown() << " messages of types that are not palpate's, " << survey.broken()
-      << " broken ones\n";
+  out << survey.unknown() << " messages of unknown types, " << survey.broken() << " broken ones\n";
   for (const std::string& complaint : survey.complaints) out << "damaged: " << complaint << '\n';
 }
 
@@ -233,20 +268,21 @@ nlohmann::json info_json(const Survey& survey) {
                           {"repeated", sequence.repeated()},
                           {"strange_clock", survey.strange_clocks.count(session) > 0}});
     }
-    channels.push_back({{"channel", channel.channel},
-                        {"type", channel.type ? nlohmann::json(channel.type->name) : nullptr},
-                        {"fingerprint", hex(channel.fingerprint)},
-                        {"messages", channel.messages},
-                        {"bytes", channel.bytes},
-                        {"rate", channel.rate()},
-                        {"longest_gap", channel.longest_gap},
-                        {"lost", channel.lost()},
-                        {"broken", channel.broken},
-                        {"received_first", channel.received.first},
-                        {"received_last", channel.received.last},
-                        {"sent_first", channel.sent.first},
-                        {"sent_last", channel.sent.last},
-                        {"sessions", sessions}});
+    channels.push_back(
+        {{"channel", channel.channel},
+         {"type", channel.is_known() ? nlohmann::json(channel.type_name()) : nullptr},
+         {"fingerprint", hex(channel.fingerprint)},
+         {"messages", channel.messages},
+         {"bytes", channel.bytes},
+         {"rate", channel.rate()},
+         {"longest_gap", channel.longest_gap},
+         {"lost", channel.lost()},
+         {"broken", channel.broken},
+         {"received_first", channel.received.first},
+         {"received_last", channel.received.last},
+         {"sent_first", channel.sent.first},
+         {"sent_last", channel.sent.last},
+         {"sessions", sessions}});
   }
   return {{"events", survey.events},
           {"bytes", survey.bytes},
@@ -260,6 +296,10 @@ nlohmann::json info_json(const Survey& survey) {
 
 void print_fields(const Survey& survey, std::ostream& out) {
   for (const ChannelSurvey& channel : survey.channels) {
+    if (channel.foreign != nullptr) {
+      print_foreign_fields(channel, out);
+      continue;
+    }
     if (!channel.type) continue;
     out << channel.channel << "  (" << channel.type->name << ": " << channel.type->comment << ")\n";
     for (std::size_t f = 0; f < channel.type->fields.size(); ++f) {

@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "tools/export/foreign_columns.hpp"
 #include "tools/log/merged_log.hpp"
 #include "tools/log/record.hpp"
 #include "tools/log/sequence.hpp"
+#include "tools/types/type_set.hpp"
 
 namespace palpate::exporting {
 
@@ -33,8 +35,9 @@ struct SessionSurvey {
 /// Messages of one type on one channel of a log.
 struct ChannelSurvey {
   std::string channel;
-  const log::TypeInfo* type = nullptr;  // nullptr: not in lcmtypes/
-  std::uint64_t fingerprint = 0;        // 0 for less than one full message
+  const log::TypeInfo* type = nullptr;     // nullptr: not in lcmtypes/
+  const types::Struct* foreign = nullptr;  // nullptr: not among the described types either
+  std::uint64_t fingerprint = 0;           // 0 for less than one full message
   std::int64_t messages = 0;
   std::int64_t bytes = 0;
   std::int64_t broken = 0;       // number of messages whose length does not match their type
@@ -42,7 +45,14 @@ struct ChannelSurvey {
   std::int64_t longest_gap = 0;  // us, between receptions
   std::map<std::int64_t, SessionSurvey> sessions;  // by the sender's session
   std::vector<int> widths;                         // by field: largest number of values in use
+  ForeignColumns foreign_columns;
 
+  bool is_known() const { return type != nullptr || foreign != nullptr; }
+  std::string type_name() const;  // empty: unknown
+  /// Identifies the type; nullptr: unknown.
+  const void* type_address() const {
+    return type != nullptr ? static_cast<const void*>(type) : foreign;
+  }
   double rate() const;  // Hz, mean; 0 if there are fewer than two
   std::int64_t lost() const;
 };
@@ -67,8 +77,10 @@ struct Survey {
 /// away from all times of the session with the most messages.
 inline constexpr std::int64_t kStrangeClock = 3'600'000'000;  // us
 
-/// Reads all of `log`. `progress` is called from time to time with the completed fraction, 0 to 1.
-Survey survey(log::MergedLog& log, const std::function<void(double)>& progress = {});
+/// Reads all of `log`. `progress` is called from time to time with the completed fraction, 0 to 1;
+/// `foreign`: types that are known besides palpate's, and outlive the survey.
+Survey survey(log::MergedLog& log, const std::function<void(double)>& progress = {},
+              const types::TypeSet& foreign = {});
 
 /// Contents of a log as a readable table: channels, types, rates, losses, times, unknown messages.
 void print_info(const Survey& survey, std::ostream& out);

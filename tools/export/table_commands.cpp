@@ -73,6 +73,7 @@ void add_info(CLI::App& app, std::function<void()>& chosen) {
   command->add_option("logs", options->source.logs, "LCM logs")
       ->required()
       ->check(CLI::ExistingFile);
+  types::add_types_option(*command, options->source.types);
   command->add_flag("--fields", options->fields, "Every field with its size, unit and meaning");
   command->add_option("--json", options->json, "Write the same for programs");
   command->add_flag("--quiet", options->source.quiet, "No progress");
