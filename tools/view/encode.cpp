@@ -1,5 +1,6 @@
 #include "tools/view/encode.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -183,6 +184,28 @@ json to_json(const NumberedEvent& e) {
           {"event", bus::get_text(e.event.event)},
           {"answer", e.event.command_counter >= 0},
           {"reason", bus::get_text(e.event.reason)}};
+}
+
+json to_json(const types::MessageValues& messages, std::int64_t now_us) {
+  constexpr std::size_t kMostShown = 200;  // values of a message
+  json list = json::array();
+  for (const types::ShownMessage& message : messages.shown(kMostShown)) {
+    json lines = json::array();
+    for (std::size_t i = 0; i < message.values.size();) {
+      const std::size_t end = types::line_end(message.values, i);
+      const auto [name, text] = types::line_of(message.values, i, end);
+      lines.push_back({name, text});
+      i = end;
+    }
+    list.push_back({{"channel", message.channel},
+                    {"type", message.type},
+                    {"age_ms", std::max<std::int64_t>(now_us - message.time_us, 0) / 1000},
+                    {"fits", message.fits},
+                    {"malformed", message.malformed},
+                    {"left_out", message.left_out},
+                    {"lines", lines}});
+  }
+  return list;
 }
 
 }  // namespace palpate::view

@@ -23,5 +23,7 @@ nlohmann::json to_json(const feature_t& feature);
 nlohmann::json to_json(const health_t& health);
 nlohmann::json to_json(const truth_contact_t& contact);
 nlohmann::json to_json(const NumberedEvent& event);
+/// Of each message channel, type, age at `now_us`, and a line for each value or part of an array.
+nlohmann::json to_json(const types::MessageValues& messages, std::int64_t now_us);
 
 }  // namespace palpate::view

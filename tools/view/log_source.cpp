@@ -62,9 +62,9 @@ void thin(Series& series) {
 }  // namespace
 
 LogSource::LogSource(const std::vector<std::string>& files, const Progress& progress,
-                     std::vector<std::string>& complaints) {
+                     std::vector<std::string>& complaints, const types::TypeSet& described) {
   for (std::size_t i = 0; i < files.size(); ++i)
-    index(files[i], static_cast<std::int16_t>(i), progress, complaints);
+    index(files[i], static_cast<std::int16_t>(i), progress, complaints, described);
   std::int64_t end_us = 0;
   begin_us_ = bus::kLatestEventTime;
   for (auto& [track, list] : entries_) {
@@ -82,7 +82,7 @@ LogSource::LogSource(const std::vector<std::string>& files, const Progress& prog
 }
 
 void LogSource::index(const std::string& path, std::int16_t number, const Progress& progress,
-                      std::vector<std::string>& complaints) {
+                      std::vector<std::string>& complaints, const types::TypeSet& described) {
   bus::EventLogReader reader(path);
   files_.emplace_back(path, std::ios::binary);
   const auto size = static_cast<double>(std::filesystem::file_size(path));
@@ -91,7 +91,9 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
   while (const bus::LoggedEvent* event = reader.next()) {
     const double share = size > 0 ? static_cast<double>(event->at) / size : 1;
     if (share - reported >= 0.01) progress(path, reported = share);
-    if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end()) continue;
+    if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end() &&
+        described.type_of(event->data, event->size) == nullptr)
+      continue;
     note(event->channel, event->data, event->size, event->utime);
     std::vector<Entry>& list = entries_[track_of(*event)];
     const std::int64_t sent = sent_us(event->data, event->size);

@@ -24,9 +24,10 @@ class LogSource {
   using Progress = std::function<void(const std::string& file, double share)>;
 
   /// Throws std::runtime_error naming the file if one cannot be read, is not a log, or if none
-  /// holds a message to show. `complaints`: one line for each damaged file.
+  /// holds a message to show. `complaints`: one line for each damaged file. `described`: types of
+  /// further messages to be shown; those of the scene.
   LogSource(const std::vector<std::string>& files, const Progress& progress,
-            std::vector<std::string>& complaints);
+            std::vector<std::string>& complaints, const types::TypeSet& described = {});
 
   double duration() const { return duration_; }  // s
   double time() const { return time_; }          // s since the log's start
@@ -50,7 +51,7 @@ class LogSource {
     std::int16_t file;
   };
   void index(const std::string& path, std::int16_t number, const Progress& progress,
-             std::vector<std::string>& complaints);
+             std::vector<std::string>& complaints, const types::TypeSet& described);
   void offer(const std::string& track, const Entry& entry, Scene& scene);
   void note(const std::string& channel, const void* data, int size, std::int64_t time_us);
   void finish_series();

@@ -5,6 +5,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <thread>
 
 #include "tools/common/program.hpp"
@@ -22,6 +23,7 @@ struct Options {
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
   std::string configuration, urdf, flange, three = PALPATE_THREE_FOLDER;
   std::vector<std::string> overrides, logs;
+  std::vector<std::filesystem::path> types;
   std::string key_file, token_file;
   bool control = false;
   double max_force = 5;
@@ -57,6 +59,7 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--flange", o.flange, "its link that is the flange (default: flange)");
   CLI::Option* log =
       app.add_option("--log", o.logs, "play these logs, one of each URL, in place of what is live");
+  palpate::types::add_types_option(app, o.types);
   app.add_option("--rate", o.log_rate, "of a log, times real time, 0.01 to 100")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str()
@@ -94,7 +97,8 @@ void warn_of_damage(const std::vector<std::string>& complaints) {
   for (const std::string& line : complaints) std::fprintf(stderr, "warning: %s\n", line.c_str());
 }
 
-std::unique_ptr<view::LogSource> open_log(const Options& options) {
+std::unique_ptr<view::LogSource> open_log(const Options& options,
+                                          const palpate::types::TypeSet& types) {
   auto printed = std::chrono::steady_clock::now();
   const auto progress = [&printed](const std::string& file, double share) {
     const auto now = std::chrono::steady_clock::now();
@@ -103,7 +107,7 @@ std::unique_ptr<view::LogSource> open_log(const Options& options) {
     std::fprintf(stderr, "%s: %.0f %%\n", file.c_str(), 100 * share);
   };
   std::vector<std::string> complaints;
-  auto log = std::make_unique<view::LogSource>(options.logs, progress, complaints);
+  auto log = std::make_unique<view::LogSource>(options.logs, progress, complaints, types);
   warn_of_damage(complaints);
   std::printf("%.1f s of recording\n", log->duration());
   return log;
@@ -151,10 +155,12 @@ int run(Options& options) {
   const serve::Token token =
       options.token_file.empty() ? serve::Token() : serve::Token(options.token_file);
   view::Viewer viewer(viewer_options, token);
+  const palpate::types::TypeSet types(options.types);
+  viewer.describe(types);
 
   std::unique_ptr<bus::MessageBus> control, housekeeping;
   if (!options.logs.empty()) {
-    viewer.show_log(open_log(options));
+    viewer.show_log(open_log(options, types));
   } else {
     viewer.show_live(std::make_unique<view::LiveSource>(
         std::vector<std::string>{options.control_url, options.housekeeping_url}));

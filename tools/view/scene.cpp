@@ -171,7 +171,7 @@ bool Scene::accept(std::string_view channel, const void* data, int size, std::in
     latest.time_us = time_us;
     latest.fresh = true;
   });
-  return is_shown;
+  return is_shown || described_.take(0, channel, data, size, time_us);
 }
 
 void Scene::take(const world_state_t& message, std::int64_t time_us) {
@@ -218,6 +218,7 @@ void Scene::forget_messages() {
     fingertip.pac.clear();
   }
   moved_.clear();
+  described_.clear();
   events_.clear();
   ++generation_;
 }

@@ -29,6 +29,7 @@
 
 #include "rt/bus/checked_decode.hpp"
 #include "rt/bus/shape_chunks.hpp"
+#include "tools/types/message_values.hpp"
 
 namespace palpate::view {
 
@@ -115,8 +116,11 @@ class Scene {
   /// All channels that accept() takes.
   static const std::vector<std::string_view>& channels();
 
+  /// Takes messages of these types too, on any other channel.
+  void describe(types::TypeSet types) { described_ = types::MessageValues(std::move(types)); }
+
   /// Passes one message; cheap, as there may be thousands per second. False if its channel is none
-  /// of channels().
+  /// of channels() and its type not described.
   bool accept(std::string_view channel, const void* data, int size, std::int64_t time_us);
 
   /// Decodes the messages that have arrived since the last call.
@@ -154,6 +158,8 @@ class Scene {
   /// Of the obstacle with this name; nullptr if there is none.
   const MovedObstacle* moved(const std::string& name) const;
   const bus::MeshAssembler& meshes() const { return meshes_; }
+  /// The last messages of described types.
+  const types::MessageValues& described() const { return described_; }
   const std::deque<NumberedEvent>& events() const { return events_; }
   /// Incremented by forget_messages().
   std::int64_t generation() const { return generation_; }
@@ -166,6 +172,7 @@ class Scene {
   void take(const world_state_t& message, std::int64_t time_us);
 
   bus::MeshAssembler meshes_;
+  types::MessageValues described_{{}};
   std::map<std::string, MovedObstacle> moved_;  // by name
   std::deque<NumberedEvent> events_;
   std::int64_t event_count_ = 0;

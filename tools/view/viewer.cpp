@@ -157,6 +157,7 @@ void Viewer::prepare(std::int64_t now_us) {
   ++frames_;
   parcels_.clear();
   if (live_) history_.sample(scene_, now_us);
+  list_messages(now_us);
   if (scene_.shape.count != painted_count_) repaint(estimate_, scene_.shape.get());
   if (scene_.truth.count != painted_truth_count_) repaint(truth_, scene_.truth.get());
   painted_count_ = scene_.shape.count;
@@ -169,6 +170,16 @@ void Viewer::prepare(std::int64_t now_us) {
   if (shape && truth && estimate_.evaluator && truth_.evaluator &&
       shape->mesh_hash == estimate_.hash && truth->mesh_hash == truth_.hash)
     shape_error_.take(estimate_.evaluator->mesh(), *shape, truth_.evaluator->mesh(), *truth);
+}
+
+void Viewer::list_messages(std::int64_t now_us) {
+  constexpr std::int64_t kInterval = 250'000;  // us, for legibility
+  if (scene_.described().types().empty() || now_us - messages_us_ < kInterval) return;
+  messages_us_ = now_us;
+  messages_ =
+      serve::dump({{"type", "messages"},
+                   {"messages", to_json(scene_.described(), log_ ? log_time_us() : now_us)}});
+  ++messages_number_;
 }
 
 /// The shape has changed: all values are outdated, and with another mesh everything is.
@@ -273,6 +284,8 @@ serve::Delivery Viewer::deliver(serve::Client& page, std::int64_t now_us) {
   if (!events.empty() || reset)
     delivery.texts.push_back(
         serve::dump({{"type", "events"}, {"reset", reset}, {"events", events}}));
+  if (client.messages != messages_number_) delivery.texts.push_back(messages_);
+  client.messages = messages_number_;
   add_meshes(client, delivery);
   add_obstacles(client, delivery);
   delivery.frame = frames_;
@@ -285,9 +298,12 @@ serve::Delivery Viewer::deliver(serve::Client& page, std::int64_t now_us) {
   return delivery;
 }
 
+std::int64_t Viewer::log_time_us() const {
+  return log_->begin_us() + static_cast<std::int64_t>(log_->time() * 1e6);
+}
+
 json Viewer::state(bool with_health, std::int64_t now_us) const {
-  const std::int64_t shown_us =
-      log_ ? log_->begin_us() + static_cast<std::int64_t>(log_->time() * 1e6) : now_us;
+  const std::int64_t shown_us = log_ ? log_time_us() : now_us;
   json head = {{"type", "frame"}, {"frame", frames_}, {"time_us", shown_us}};
   const auto age = [&](const auto& latest) {
     return static_cast<double>(std::max<std::int64_t>(shown_us - latest.time_us, 0) / 1000);

@@ -30,6 +30,7 @@ struct ViewerClient : serve::Client {
   bool has_obstacles = false;             // their shapes
   std::int64_t events = 0;                // number of its last event
   std::int64_t health = -1;               // number of HEALTH messages that it has
+  std::int64_t messages = 0;              // number of its table of messages
 };
 
 /// The last two minutes of the plotted values, which a newly connected page receives first.
@@ -63,6 +64,9 @@ class Viewer : public serve::Content {
   };
   Viewer(Options options, serve::Token token);
 
+  /// Messages of these types are shown as a table.
+  void describe(types::TypeSet types) { scene_.describe(std::move(types)); }
+
   // One of the two.
   void show_live(std::unique_ptr<LiveSource> source);
   void show_log(std::unique_ptr<LogSource> source);
@@ -94,6 +98,8 @@ class Viewer : public serve::Content {
   const std::vector<float>* paint(Painted& painted, const shape_t& shape, Field field);
   void add_meshes(ViewerClient& client, serve::Delivery& delivery) const;
   void add_obstacles(ViewerClient& client, serve::Delivery& delivery) const;
+  std::int64_t log_time_us() const;
+  void list_messages(std::int64_t now_us);
   std::string frame(Field field, bool with_health, std::int64_t now_us);
   nlohmann::json state(bool with_health, std::int64_t now_us) const;
   void grant(serve::Client& client, const TakeControl& request);
@@ -114,6 +120,9 @@ class Viewer : public serve::Content {
   ShapeError shape_error_;
   std::int64_t painted_count_ = -1, painted_truth_count_ = -1;
   std::int64_t frames_ = 0;  // prepared
+  /// The table of messages of described types: as JSON, its number, and when it was made.
+  std::string messages_;
+  std::int64_t messages_number_ = 0, messages_us_ = 0;
   /// The present frame as the pages need it: with a field, with or without HEALTH.
   std::map<std::pair<Field, bool>, std::shared_ptr<const std::string>> parcels_;
   std::int64_t played_us_ = 0;  // wall clock of the last advance of a log

@@ -102,6 +102,7 @@ const link = new Link({
     panels.addEvents(message);
     message.events.forEach((event) => control.note(event));
   },
+  messages(message) { panels.showMessages(message); },
   answer(message) { control.answer(message); },
   error({reason}) { byId('reason').textContent = reason; },
   frame(message) {

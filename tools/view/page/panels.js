@@ -147,6 +147,21 @@ export class Panels {
       counted('telemetry lost', health.telemetry_dropped), ...models]);
   }
 
+  /** Messages of the types that --types describes: channel, type and age, and a row for each value. */
+  showMessages({messages}) {
+    byId('messages-tab').hidden = false;
+    if (this.tab !== 'messages') return;
+    const rows = [];
+    for (const message of messages) {
+      const age = message.age_ms < 1000 ? '' : `, ${fixed(message.age_ms / 1e3, 0)} s old`;
+      const bad = message.malformed ? `, ${message.malformed} malformed` : '';
+      rows.push([{text: message.channel, kind: bad ? 'warn' : ''}, {text: `${message.type}${age}${bad}`, kind: bad ? 'warn' : ''}]);
+      rows.push(...message.lines.map(([name, text]) => [`\u2003${name}`, text]));
+      if (message.left_out) rows.push(['', `and ${message.left_out} values more`]);
+    }
+    fill(byId('messages'), rows.length ? rows : [['no message of these types', '']]);
+  }
+
   addEvents({events, reset}) {
     const list = byId('events');
     if (reset) {
