@@ -22,6 +22,9 @@ void add_mcap(CLI::App& app, std::function<void()>& chosen);
 void add_vtu(CLI::App& app, std::function<void()>& chosen);
 void add_png(CLI::App& app, std::function<void()>& chosen);
 void add_mp4(CLI::App& app, std::function<void()>& chosen);
+void add_merge(CLI::App& app, std::function<void()>& chosen);
+void add_cut(CLI::App& app, std::function<void()>& chosen);
+void add_filter(CLI::App& app, std::function<void()>& chosen);
 
 /// Adds logs, --types, --clock, --from, --to and --quiet to a command.
 void add_source(CLI::App& command, SourceOptions& options);

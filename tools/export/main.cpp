@@ -8,8 +8,8 @@
 int main(int argc, char** argv) {
   using namespace palpate;
   CLI::App app(
-      "Turns LCM logs of palpate into CSV, MCAP, VTU, plots, pictures and films, without a "
-      "display.\n"
+      "Turns LCM logs of palpate into CSV, MCAP, VTU, plots, pictures, films and other logs, "
+      "without a display.\n"
       "Several logs are merged by time; unknown types are named, counted and skipped; of a "
       "damaged\n"
       "log all that is whole is read, and what is not is reported with its place.");
@@ -21,7 +21,10 @@ int main(int argc, char** argv) {
       "  palpate-export mcap control.log housekeeping.log --output run.mcap\n"
       "  palpate-export vtu housekeeping.log --rate 20 --output out\n"
       "  palpate-export png housekeeping.log --at 2.5 --colour stress --output shape.png\n"
-      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4");
+      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4\n"
+      "  palpate-export merge control.log housekeeping.log --output run.log\n"
+      "  palpate-export cut run.log --from 10 --to 20 --output part.log\n"
+      "  palpate-export filter run.log --without 'PICTURE*' --output small.log");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.require_subcommand(1);
   std::function<void()> chosen;
@@ -32,6 +35,9 @@ int main(int argc, char** argv) {
   exporting::add_vtu(app, chosen);
   exporting::add_png(app, chosen);
   exporting::add_mp4(app, chosen);
+  exporting::add_merge(app, chosen);
+  exporting::add_cut(app, chosen);
+  exporting::add_filter(app, chosen);
   if (const auto code = config::parse(
           app, argc, argv,
           {{{1, "a log cannot be read or nothing can be written"}, {78, "wrong configuration"}},
