@@ -76,6 +76,7 @@ class Server(Page):
 
     def test_names_wrong_requests(self):
         token = {"X-Palpate-Token": self.token}
+        self.assertEqual(self.ask("POST", "/asked", {"step": "nonsense"}, **token)[0], 400)
         for body, text in (({"step": "nonsense"}, "nonsense"), ({}, "step"), ({"step": "object", "skip": 3}, "skip"), ([], "mapping")):
             status, answer = self.ask("POST", "/run", body, **token)
             self.assertEqual(status, 400, body)
@@ -114,6 +115,14 @@ class Browser(Page):
         for key, value in values.items():
             self.browser.execute_script("document.querySelector(`[name=${arguments[0]}]`).value = arguments[1]", key, value)
 
+    def choose(self, key, value):
+        """As a person does, so that the page notices."""
+        self.fill(**{key: value})
+        self.browser.execute_script("document.querySelector(`[name=${arguments[0]}]`).dispatchEvent(new Event('input', {bubbles: true}))", key)
+
+    def is_asked(self, key):
+        return self.js("document.querySelector(`[name=${arguments[0]}]`).offsetParent !== null", key)
+
     def shown(self, step):
         self.click(f'[data-step="{step}"]')
         wait_for(lambda: "chosen" in self.js("document.querySelector(arguments[0]).className", f'[data-step="{step}"]'), step)
@@ -131,6 +140,11 @@ class Browser(Page):
         self.assertTrue(self.js("document.getElementById('run').disabled"))
 
         self.shown("object")
+        wait_for(lambda: self.is_asked("size") and not self.is_asked("file"), "a box has a size")
+        self.choose("mesh", "file")
+        wait_for(lambda: self.is_asked("file") and not self.is_asked("size"), "a file has a name")
+        self.choose("mesh", "box")
+        wait_for(lambda: self.is_asked("size") and not self.is_asked("file"), "a box has a size")
         self.fill(size="0.5 0.06 0.06", mass="much")
         self.run_step()
         wait_for(lambda: "mass" in self.text("#log"), "the wrong answer is named")

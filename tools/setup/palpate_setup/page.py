@@ -15,7 +15,7 @@ from palpate_common.section import Section
 from palpate_setup.guide import Guide
 from palpate_setup.programs import Programs
 from palpate_setup.project import REPORT, Project
-from palpate_setup.questions import Question, asked, with_defaults
+from palpate_setup.questions import Question, asked, asked_keys, with_defaults
 from palpate_setup.step import Step
 
 WEB = Path(__file__).with_name("web")
@@ -105,11 +105,22 @@ class Office:
             shown["questions_to_skip"] = [_described(q) for q in with_defaults(step.questions_to_skip(self.project), earlier)]
         return shown
 
-    def run(self, name: str, skip: bool, typed: Mapping[str, str]) -> None:
-        """Begins a step. Raises InputError if one is running or there is no such step."""
+    def _step_of(self, name: str) -> Step:
         step = next((step for step in self.project.steps if step.name == name), None)
         if step is None:
             raise InputError(f"{name}: there is no such step")
+        return step
+
+    def asked(self, name: str, typed: Mapping[str, str]) -> list[str]:
+        """Keys of a step's questions, run or skipped, that apply with these answers. Raises InputError if there is no such step."""
+        step = self._step_of(name)
+        if self.project.missing_needs(step):
+            return []
+        return [*asked_keys(step.questions(self.project), typed), *asked_keys(step.questions_to_skip(self.project), typed)]
+
+    def run(self, name: str, skip: bool, typed: Mapping[str, str]) -> None:
+        """Begins a step. Raises InputError if one is running or there is no such step."""
+        step = self._step_of(name)
         with self._lock:
             if self._thread is not None and self._thread.is_alive():
                 raise InputError(f"step {self._step} is running")
@@ -204,16 +215,18 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(fault, "text/plain", fault.phrase.encode())
             return
         try:
-            self._obey(json.loads(self.rfile.read(length) or b"{}"))
-            self._send_json({})
+            self._send_json(self._obey(json.loads(self.rfile.read(length) or b"{}")))
         except (InputError, ValueError, KeyError, TypeError, AttributeError) as error:
             self._send_json({"error": str(error)}, HTTPStatus.BAD_REQUEST)
 
-    def _obey(self, request: Any) -> None:
+    def _obey(self, request: Any) -> dict[str, Any]:
+        """The answer."""
         office = self.server.office
-        if self.path == "/run":
+        if self.path in ("/run", "/asked"):
             asks = Section(request, Path("request"))
             answers = {str(key): str(value) for key, value in request.get("answers", {}).items()}
+            if self.path == "/asked":
+                return {"keys": office.asked(asks.text("step"), answers)}
             office.run(asks.text("step"), asks.flag("skip", False), answers)
         elif self.path == "/continue":
             office.person.resume()
@@ -221,6 +234,7 @@ class _Handler(BaseHTTPRequestHandler):
             office.person.stop()
         else:
             raise InputError(f"{self.path}: unknown")
+        return {}
 
 
 class _Server(ThreadingHTTPServer):

@@ -68,6 +68,13 @@ class Question:
         return numbers if self.kind == NUMBERS else numbers[0] if len(numbers) == 1 else text
 
     @property
+    def empty(self) -> Any:
+        """A value of its kind that states nothing."""
+        if self.kind == FLAG:
+            return False
+        return "" if self.kind in (TEXT, CHOICE) else [self.low] * self.count if self.kind == NUMBERS else self.low
+
+    @property
     def allowed(self) -> str:
         """Unit and what is allowed, in words."""
         if self.kind == CHOICE:
@@ -100,6 +107,19 @@ def asked(questions: Sequence[Question], ask: Callable[[Question], Any]) -> dict
         if question.when is None or question.when(answers):
             answers[question.key] = ask(question)
     return answers
+
+
+def asked_keys(questions: Sequence[Question], typed: Mapping[str, str]) -> list[str]:
+    """Keys of the questions that are asked while these answers are being typed; a wrong or missing one counts as its default, or
+    as an empty value."""
+
+    def value(question: Question) -> Any:
+        try:
+            return question.parse(typed.get(question.key, ""))
+        except InputError:
+            return question.empty if question.default is REQUIRED else question.default
+
+    return list(asked(questions, value))
 
 
 def with_defaults(questions: Sequence[Question], earlier: Mapping[str, Any]) -> list[Question]:

@@ -20,7 +20,7 @@ from palpate_setup.guide import Guide, next_step  # noqa: E402
 from palpate_setup.person import AnswersFile  # noqa: E402
 from palpate_setup.programs import Child, Programs  # noqa: E402
 from palpate_setup.project import DONE, FAILED, OPEN, OUTDATED, SKIPPED, Project  # noqa: E402
-from palpate_setup.questions import CHOICE, FLAG, NUMBER, NUMBERS, Question, asked, with_defaults  # noqa: E402
+from palpate_setup.questions import CHOICE, FLAG, NUMBER, NUMBERS, TEXT, Question, asked, asked_keys, with_defaults  # noqa: E402
 from palpate_setup.step import Result, Setting, Step  # noqa: E402
 from palpate_setup.steps import all_steps  # noqa: E402
 
@@ -223,6 +223,11 @@ class Answers(Case):
         questions = [Question("a", "a", CHOICE, default="x", choices=("x", "y")),
                      Question("b", "b", NUMBER, "m", 1.0, 0, 2, when=lambda a: a["a"] == "y")]
         self.assertEqual(asked(questions, lambda question: question.parse("")), {"a": "x"})
+        for typed, keys in (({}, ["a"]), ({"a": "y", "b": "much"}, ["a", "b"]), ({"a": "nonsense", "b": "1"}, ["a"])):
+            self.assertEqual(asked_keys(questions, typed), keys, typed)
+        of_file = [Question("file", "file", TEXT), Question("edge", "edge", NUMBER, "m", None, 0, 1, when=lambda a: a["file"].endswith(".stl"))]
+        self.assertEqual(asked_keys(of_file, {}), ["file"])
+        self.assertEqual(asked_keys(of_file, {"file": "a.stl"}), ["file", "edge"])
         known = with_defaults(questions, {"a": "y", "b": 5})  # 5 is no longer allowed
         self.assertEqual(asked(known, lambda question: question.parse("")), {"a": "y", "b": 1.0})
 

@@ -5,7 +5,7 @@ const token = new URLSearchParams(location.hash.slice(1)).get('token') || sessio
 sessionStorage.setItem('token', token);
 history.replaceState(null, '', location.pathname);
 
-const page = {state: null, chosen: null, asked: '', askedOf: ''};
+const page = {state: null, chosen: null, asked: '', askedOf: '', order: 0};
 window.palpateSetup = page;
 const at = (id) => document.getElementById(id);
 
@@ -38,8 +38,7 @@ function field(question) {
   return made;
 }
 
-// Every question of the step, also those whose condition does not hold now: they are then ignored. What has been
-// typed stays where a default changes.
+// Questions of the step, and those if it is skipped. What has been typed stays where a default changes.
 function showQuestions(step) {
   const questions = [...(step.questions || [])];
   const known = new Set(questions.map((question) => question.key));
@@ -54,6 +53,27 @@ function showQuestions(step) {
     element('label', {}, question.text, element('small', {textContent: question.allowed})), field(question)]));
   for (const {name, value} of typed)
     if (at('questions').elements[name]) at('questions').elements[name].value = value;
+  hideWhatDoesNotApply().catch((error) => { at('error').textContent = String(error); });
+}
+
+function typedAnswers(keys) {
+  const answers = {};
+  for (const input of at('questions').elements)
+    if (keys.has(input.name)) answers[input.name] = input.value;
+  return answers;
+}
+
+// Which questions apply depends on other answers; the program decides it.
+async function hideWhatDoesNotApply() {
+  const step = page.state.steps.find((one) => one.name === page.chosen);
+  if (!step.questions) return;
+  const keys = new Set([...step.questions, ...step.questions_to_skip].map((question) => question.key));
+  const order = ++page.order;
+  const answer = await request('/asked', {step: step.name, answers: typedAnswers(keys)});
+  if (!answer.ok || order !== page.order) return;  // a later one is on its way
+  const applies = new Set((await answer.json()).keys);
+  for (const input of at('questions').elements)
+    input.hidden = input.previousElementSibling.hidden = !applies.has(input.name);
 }
 
 async function showPictures(step) {
@@ -109,16 +129,14 @@ async function follow() {
 function run(skip) {
   const step = page.state.steps.find((one) => one.name === page.chosen);
   const keys = new Set((skip ? step.questions_to_skip : step.questions).map((question) => question.key));
-  const answers = {};
-  for (const input of at('questions').elements)
-    if (keys.has(input.name)) answers[input.name] = input.value;
-  send('/run', {step: page.chosen, skip, answers});
+  send('/run', {step: page.chosen, skip, answers: typedAnswers(keys)});
 }
 
 at('run').onclick = () => run(false);
 at('skip').onclick = () => run(true);
 at('stop').onclick = () => send('/stop', {});
 at('continue').onclick = () => send('/continue', {});
+at('questions').oninput = () => hideWhatDoesNotApply().catch((error) => { at('error').textContent = String(error); });
 at('questions').onsubmit = (event) => event.preventDefault();
 at('report').onclick = async () => {
   const answer = await request('/file/report.html');
