@@ -20,7 +20,7 @@ struct LogSelection {
 };
 
 /// Writes the selected events of several logs, of known and unknown types, to one LCM log: ordered
-/// by the time of their reception, which they keep, and numbered anew. Damage of the logs is
+/// by the time of their reception, which they keep, with new numbers. Damage of the logs is
 /// reported on standard error. The file has its name only when it is complete. Throws
 /// std::runtime_error: a log that cannot be read, a pattern that fits no channel, no event that is
 /// selected, an output that is one of the logs.
