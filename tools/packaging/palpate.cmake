@@ -54,15 +54,22 @@ if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
 endif()
 
-# Compilation of a target. LOOP: as users run it, and tests of core, sim and the closed loop. OFFLINE:
-# other tests, and programs with little computation that share no hot code with core, for which build
-# time matters (an object of lower optimisation provides its inline functions to others of the same
-# program). Either uses one precompiled file with the headers that nearly all sources include, tests
-# one with googletest; a source with its own flags does not.
+# Compilation of a target. LOOP: as users run it. OFFLINE: tests of programs, and programs with little
+# computation that share no hot code with core, for which build time matters (an object of lower
+# optimisation provides its inline functions to others of the same program). LAB: in between, for
+# tests of what computes and for studies, whose time is that of the programs they start. Each uses one
+# precompiled file with the headers that nearly all sources include, tests one with googletest; a
+# source with its own flags does not.
 option(PALPATE_PCH "Precompile common headers" ON)
+set(PALPATE_LOOP_FLAGS "")
+set(PALPATE_LAB_FLAGS $<$<CONFIG:Release>:-O2>)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
 set(PALPATE_OFFLINE_FOLDERS
   "^tools/(bridge|collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|tools|lcmtypes)|process)")
+set(PALPATE_LAB_FOLDERS
+  "^tools/lab/(demo|endurance|faults|fit_check|runs|scores|studies)|^tests/(unit|property|integration|fault|fuzz|stress)")
+# Of a filter some of whose results with obstacles change with rounding: as users run it.
+set(PALPATE_LOOP_TESTS "^tests/unit/core/estimation")
 if(PALPATE_PCH)
   set(kinds "")
   if(PALPATE_TESTS)
@@ -72,14 +79,12 @@ if(PALPATE_PCH)
   set(headers <Eigen/Dense> <Eigen/Geometry> <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <filesystem>
     <fstream> <functional> <map> <memory> <optional> <sstream> <stdexcept> <string> <vector>)
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/pch/empty.cpp CONTENT "")  # keeps an equal file
-  foreach(way LOOP OFFLINE)
+  foreach(way LOOP LAB OFFLINE)
     foreach(kind "" ${kinds})
       set(target palpate_pch_${way}${kind})
       add_library(${target} OBJECT EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/pch/empty.cpp)
       target_link_libraries(${target} PRIVATE palpate_flags Eigen3::Eigen Threads::Threads)
-      if(way STREQUAL "OFFLINE")
-        target_compile_options(${target} PRIVATE ${PALPATE_OFFLINE_FLAGS})
-      endif()
+      target_compile_options(${target} PRIVATE ${PALPATE_${way}_FLAGS})
       target_precompile_headers(${target} PRIVATE ${headers})
       if(kind)
         target_link_libraries(${target} PRIVATE GTest::gmock)
@@ -103,8 +108,10 @@ function(palpate_compile target kind source)
   set(way LOOP)
   if(folder MATCHES "${PALPATE_OFFLINE_FOLDERS}")
     set(way OFFLINE)
-    target_compile_options(${target} PRIVATE ${PALPATE_OFFLINE_FLAGS})
+  elseif(folder MATCHES "${PALPATE_LAB_FOLDERS}" AND NOT folder MATCHES "${PALPATE_LOOP_TESTS}")
+    set(way LAB)
   endif()
+  target_compile_options(${target} PRIVATE ${PALPATE_${way}_FLAGS})
   if(PALPATE_PCH)
     target_precompile_headers(${target} REUSE_FROM palpate_pch_${way}${kind})
   endif()

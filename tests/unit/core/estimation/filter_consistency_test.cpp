@@ -4,7 +4,7 @@
 // innovations match its covariances (Bar-Shalom, Li and Kirubarajan 2001, 5.4: NEES and NIS within
 // their 95 % bands). As configured for use it allows for a model error of some percent: it must
 // then report more uncertainty than its actual error, never less. PALPATE_SEEDS: number of worlds
-// (200).
+// (100).
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -193,7 +193,7 @@ class FilterConsistency : public ::testing::TestWithParam<Given> {};
 
 TEST_P(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
   const char* text = std::getenv("PALPATE_SEEDS");
-  const int seeds = text != nullptr ? std::atoi(text) : 200;
+  const int seeds = text != nullptr ? std::atoi(text) : 100;
   Verdict mean;
   double square = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
