@@ -96,6 +96,8 @@ struct NumberedEvent {
   component_event_t event;
 };
 
+inline constexpr std::int64_t kOld = 1000;  // ms, age from which a message is no longer shown
+
 /// Number of HEALTH's phases: the whole cycle first, the wake-up last.
 inline constexpr int kPhases = 10;
 

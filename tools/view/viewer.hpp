@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <deque>
 #include <map>
 #include <memory>
 #include <set>
@@ -13,6 +12,7 @@
 #include "tools/serve/server.hpp"
 #include "tools/view/cell.hpp"
 #include "tools/view/encode.hpp"
+#include "tools/view/history.hpp"
 #include "tools/view/live_source.hpp"
 #include "tools/view/log_source.hpp"
 #include "tools/view/request.hpp"
@@ -31,25 +31,6 @@ struct ViewerClient : serve::Client {
   std::int64_t events = 0;                // number of its last event
   std::int64_t health = -1;               // number of HEALTH messages that it has
   std::int64_t messages = 0;              // number of its table of messages
-};
-
-/// The last two minutes of the plotted values, which a newly connected page receives first.
-class History {
- public:
-  static constexpr std::int64_t kKept = 120'000'000;  // us
-
-  /// Takes a sample if the last one is at least 0.1 s old.
-  void sample(const Scene& scene, std::int64_t now_us);
-  /// Lists "time" (s before `now_us`, negative), "error", "cycle", "wake_up" (us), "view" (ms),
-  /// "test", "threshold", "contradiction" (the test while it is inconsistent).
-  nlohmann::json to_json(std::int64_t now_us) const;
-
- private:
-  struct Sample {
-    std::int64_t time_us;
-    double error, cycle, wake_up, view, test, threshold, contradiction;  // NaN: not known
-  };
-  std::deque<Sample> samples_;
 };
 
 /// Holds the data to be shown, and turns it into messages for pages and their requests into
