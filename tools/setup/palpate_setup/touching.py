@@ -29,7 +29,8 @@ def settings(work: Work, guess: Setting) -> list[Setting]:
     sensing = [dict(item) for item in next(s.value for s in reversed(work.project.settings()) if s.path == "sensing")]
     sensing[0].update(tare_at_start=True, rest_speed=REST_SPEED)
     control = {"provider": "kinematic", "law": "guarded_motion", "tip_in_grasp": answers["tip_in_grasp"],
-               "tip_radius": answers["probe_radius"], "speed": SPEED, "distance": DISTANCE, "retreat": RETREAT}  # fmt: skip
+               "tip_radius": answers["probe_radius"], "speed": SPEED, "distance": DISTANCE, "retreat": RETREAT,
+               "force_play": answers["force_play"]}  # fmt: skip
     removed = ("grasp_box", "grasp_group", "grasp_at_rest", "grasp_stiffness")
     return [guess, Setting("sensing", sensing), Setting("contact", []), Setting("control", control),
             Setting("estimation", None), Setting("estimation.component", "force_driven"), Setting("estimation.variant", "repaired"),

@@ -47,7 +47,7 @@ class Touching(unittest.TestCase):
         person = SimpleNamespace(ready=self.asked.append, say=lambda text: None, check=lambda: None)
         sensing = Setting("sensing", [{"name": "wrist", "payload": {"mass": 4.8}}])
         self.work = SimpleNamespace(person=person, project=SimpleNamespace(settings=lambda: [sensing]), answers={
-            "count": 3, "touch_force": 0.3, "deviation": 2e-4, "probe_radius": 0.01, "tip_in_grasp": [0, 0, 0.1]})
+            "count": 3, "touch_force": 0.3, "force_play": 0.1, "deviation": 2e-4, "probe_radius": 0.01, "tip_in_grasp": [0, 0, 0.1]})
 
     def touch(self, propose):
         with mock.patch.object(touching, "configuration_of"), \
@@ -81,6 +81,7 @@ class Touching(unittest.TestCase):
         self.assertTrue(changed["sensing"][0]["tare_at_start"])
         self.assertEqual(changed["control"]["law"], "guarded_motion")
         self.assertEqual(changed["control"]["tip_radius"], 0.01)
+        self.assertEqual(changed["control"]["force_play"], 0.1)
         self.assertIsNone(changed["object.grasp_box"])
 
 

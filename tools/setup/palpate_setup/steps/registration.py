@@ -48,6 +48,8 @@ class Registration(Step):
             Question("touch_file", "CSV of touched points (palpate-register --help)", TEXT, when=_by_file),
             Question("count", "Number of touches", WHOLE, "", 12, LEAST_TOUCHES, 100, when=_by_robot),
             Question("touch_force", "Force at which a touch ends", NUMBER, "N", 0.3, 0.02, 20, when=_by_robot),
+            Question("force_play", "Play of the force by friction of the sensor's cables (0: none)", NUMBER, "N", 0.0, 0, 10,
+                     when=_by_robot),
             Question("tip_in_grasp", "Centre of the tip that touches, in the grasp frame", NUMBERS, "m", [0.0, 0.0, 0.0], -1, 1,
                      when=_by_robot),
             Question("deviation", "Standard deviation of a touched point along each axis", NUMBER, "m", 3e-4, 1e-6, 0.1),
