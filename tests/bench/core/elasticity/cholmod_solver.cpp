@@ -2,19 +2,17 @@
 
 #include <cholmod.h>
 #include <dlfcn.h>
-#include <omp.h>
 
 #include <stdexcept>
+
+#include "core/factor/cholmod/one_thread.hpp"
 
 namespace palpate::bench {
 namespace {
 
-/// CHOLMOD's supernodal kernel opens four OpenMP threads regardless of OMP_NUM_THREADS; on a busy
-/// machine that turns milliseconds of a factorisation into seconds. Only this call, in the calling
-/// thread, and a limit in the environment prevent it. The BLAS below it has its own threads: the
-/// relevant instance of OpenBLAS is the one loaded as libblas, which must be looked up by name.
-void stay_in_this_thread() {
-  omp_set_max_active_levels(0);
+/// The BLAS below CHOLMOD has threads of its own; of several instances of OpenBLAS the relevant one
+/// is that loaded as libblas, which must be looked up by name.
+void keep_blas_to_one_thread() {
   using SetThreads = void (*)(int);
   static const auto set_threads =
       reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
@@ -104,7 +102,8 @@ CholmodSolver::CholmodSolver(const BlockRows& pattern) : parts_(std::make_unique
 CholmodSolver::~CholmodSolver() = default;
 
 bool CholmodSolver::factorise(const BlockRows& A) {
-  stay_in_this_thread();
+  const factor::OneThread one_thread;
+  keep_blas_to_one_thread();
   auto* value = static_cast<double*>(parts_->matrix->x);
   for (int j = 0; j < A.size(); ++j) {
     for (int c = 0; c < 3; ++c) {
