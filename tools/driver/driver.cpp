@@ -77,7 +77,8 @@ void run(Driver& driver, bus::MessageBus& control, const volatile std::sig_atomi
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(Driver::kPeriod));
   control.start_without_thread();
-  for (auto next = Clock::now(); ended == 0;) {
+  auto next = Clock::now();
+  while (ended == 0) {
     control.receive(0);
     const std::int64_t utime = bus::wall_clock_us();
     driver.cycle(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1), utime);

@@ -62,7 +62,7 @@ class DrakeArm final : public driver::Arm {
   bool is_early_ = false;       // palpated has moved the arm before its driver was ready
   bool is_commanding_ = false;  // palpated has moved the arm since it connected
   std::int64_t newest_utime_ = 0;
-  std::int64_t connected_ns_ = 0, status_ns_ = 0, lost_ns_ = 0, commanded_ns_ = 0;
+  std::int64_t connected_ns_ = 0, status_ns_ = 0, commanded_ns_ = 0;
   std::int64_t foreign_until_ns_ = 0, unfollowed_until_ns_ = 0, stopping_until_ns_ = 0;
   Counts counts_;
 };
