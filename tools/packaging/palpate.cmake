@@ -99,7 +99,7 @@ endif()
 option(PALPATE_UNITY "Compile several sources at a time" OFF)
 if(PALPATE_UNITY)
   # A source's private types are then "included" by the file that joins it with others.
-  target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-Wno-subobject-linkage>)
+  target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>>)
 endif()
 
 # By the folder of its sources; `kind` is "" or "_TEST".

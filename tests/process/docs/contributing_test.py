@@ -106,7 +106,7 @@ class Copy:
     def compile(self, target, folder, whole=False):
         """Objects of the sources of `folder` that the change reaches, or of all but main.cpp."""
         flags = self.flags(target)
-        flags = flags[next(i for i, word in enumerate(flags) if word.endswith("c++")):]
+        flags = flags[next(i for i, word in enumerate(flags) if word.endswith("++")):]
         sources = [path for path in sorted((self.root / folder).glob("*.cpp")) if path.name != "main.cpp"]
         if whole:
             batches = self.batches(target, folder)

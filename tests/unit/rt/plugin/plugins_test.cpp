@@ -78,7 +78,7 @@ TEST(Plugins, OneOfAnotherPalpateIsNotEvenAsked) {
 TEST(Plugins, OneOfAnotherCompilerIsRefused) {
   expect_complaint(
       {library("other_compiler.so")},
-      {"plugins.0.library", "C++ ABI 1016, here " + std::to_string(__GXX_ABI_VERSION)});
+      {"plugins.0.library", "C++ ABI 1011, here " + std::to_string(__GXX_ABI_VERSION)});
   expect_complaint({library("other_strings.so")},
                    {"plugins.0.library", "kind of std::string 0, here 1"});
 }

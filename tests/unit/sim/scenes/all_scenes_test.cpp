@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "tests/unit/sim/scenes/stage.hpp"
 
@@ -63,6 +64,13 @@ std::vector<std::string> moving_scenes() {
 
 /// The object with few elements: sufficient for its load on the arm.
 std::vector<std::string> coarse_object(const std::string& name) {
+  static const std::map<std::string, std::string> kElements{{"bar_regrasp", "[5, 1, 2]"},
+                                                            {"bar_soft_tactile", "[5, 1, 1]"},
+                                                            {"cube_hard_tactile", "[1, 1, 1]"},
+                                                            {"cube_regrasp", "[1, 1, 4]"},
+                                                            {"sponge_medium_tactile", "[2, 1, 1]"}};
+  const auto found = kElements.find(name);
+  if (found != kElements.end()) return {"object.elements=" + found->second};
   if (name.find("bar_long") == 0) return coarse();
   if (name.find("bar_two") == 0) return {"object.elements=[10, 1, 1]", "object.pads.stiffness=1e4"};
   if (name.find("block") != 0) return {};
