@@ -229,7 +229,7 @@ void HeldDecay::scan() {
   for (double factor = 0.3; factor < 3.3; factor *= 1.02) {
     for (double ratio : {0.01, 0.03, 0.1}) {
       VectorXd p = start();
-      p[kYoung] *= factor;
+      p[kYoungModulus] *= factor;
       const double decay = 2 * ratio * slowest * std::sqrt(factor);
       if (options_.mass_damping) {
         p[kMass] = decay;
@@ -252,7 +252,7 @@ void HeldDecay::scan() {
 /// With q = 0 and q' at the stop, P (q + stiffness_damping q').
 VectorXd HeldDecay::after_stop(VectorXd p, int index, const math::Vector6d& twist) const {
   const Stop& stop = stops_[index];
-  const double share = std::sqrt(p[kYoung] / young_ * density_ / p[kDensity]);
+  const double share = std::sqrt(p[kYoungModulus] / young_ * density_ / p[kObjectDensity]);
   for (int i = 0; i < options_.modes; ++i) {
     const double omega = share * stop.frequencies[i];
     const double d = 0.5 * (p[kMass] + p[kStiffness] * omega * omega);
@@ -267,7 +267,7 @@ VectorXd HeldDecay::after_stop(VectorXd p, int index, const math::Vector6d& twis
 bool HeldDecay::predict(const VectorXd& p, VectorXd& prediction, MatrixXd* jacobian) const {
   prediction.setZero(sample_count());
   if (jacobian) jacobian->setZero(sample_count(), p.size());
-  const double share = std::sqrt(p[kYoung] / young_ * density_ / p[kDensity]);
+  const double share = std::sqrt(p[kYoungModulus] / young_ * density_ / p[kObjectDensity]);
   for (std::size_t j = 0; j < stops_.size(); ++j) {
     const Stop& stop = stops_[j];
     const VectorXd& times = ringings_[j].times;
@@ -294,8 +294,8 @@ bool HeldDecay::predict(const VectorXd& p, VectorXd& prediction, MatrixXd* jacob
           if (!jacobian) continue;
           (*jacobian)(row, place) += pattern * wave.c;
           (*jacobian)(row, place + 1) += pattern * wave.s;
-          (*jacobian)(row, kYoung) += pattern * by_omega * 0.5 * omega / p[kYoung];
-          (*jacobian)(row, kDensity) -= pattern * by_omega * 0.5 * omega / p[kDensity];
+          (*jacobian)(row, kYoungModulus) += pattern * by_omega * 0.5 * omega / p[kYoungModulus];
+          (*jacobian)(row, kObjectDensity) -= pattern * by_omega * 0.5 * omega / p[kObjectDensity];
           (*jacobian)(row, kMass) += pattern * by_d * 0.5;
           (*jacobian)(row, kStiffness) += pattern * by_d * 0.5 * omega * omega;
         }

@@ -60,7 +60,7 @@ class HeldDecay final : public Experiment {
   static constexpr int kShared = 4;  // parameters before them
 
  private:
-  enum { kYoung, kDensity, kMass, kStiffness };
+  enum { kYoungModulus, kObjectDensity, kMass, kStiffness };
   /// Patterns of one stop, in S, by mode; modes concatenated.
   struct Stop {
     Eigen::VectorXd frequencies;

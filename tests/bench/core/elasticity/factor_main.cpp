@@ -34,8 +34,7 @@ class Subject {
  public:
   Subject(const elasticity::NumberedBody& body, const elasticity::SolverOptions& options,
           Mechanics mechanics, const Eigen::Matrix3Xd& shape)
-      : body_(body),
-        job_(body, options, no_samples_),
+      : job_(body, options, no_samples_),
         tangents_(elasticity::make_element_tangents(body.elements, body.pattern)),
         matrix_(body.pattern),
         mass_(elasticity::mass_blocks(body.elements, body.pattern)),
@@ -87,7 +86,6 @@ class Subject {
     parts_.bare.add(cholmod_ != nullptr ? cholmod_->bare_time() : whole);
   }
 
-  const elasticity::NumberedBody& body_;
   std::vector<mesh::PointWeights> no_samples_;
   elasticity::RefactorJob job_;
   std::unique_ptr<elasticity::ElementTangents> tangents_;

@@ -111,7 +111,7 @@ void register_parts(const std::vector<BarMesh>& meshes) {
         std::to_string(mesh.node_count());
     for (const auto& [what, function] :
          {std::pair{std::string("element_pass/single"),
-                    element_pass<elasticity::Precision::kSingle>},
+                    &element_pass<elasticity::Precision::kSingle>},
           {"element_pass/double", element_pass<elasticity::Precision::kDouble>},
           {"solve/single", solve<factor::PanelPrecision::kSingle>},
           {"solve/half", solve<factor::PanelPrecision::kHalf>}}) {
