@@ -6,12 +6,12 @@ from typing import Mapping
 
 import numpy as np
 
+from palpate_common.joint_tree import SLIDING, TURNING, Joint, JointTree
 from palpate_common.pose import Pose
 from palpate_common.rotations import exp_rotation
-from palpate_see.urdf import SLIDING, TURNING, Joint, Robot
 
 
-def link_poses(robot: Robot, angles: Mapping[str, float]) -> dict[str, Pose]:
+def link_poses(robot: JointTree, angles: Mapping[str, float]) -> dict[str, Pose]:
     """X_WL of every link L, where W is the frame of the root link. angles: rad, or m of a sliding joint, by name; a
     joint that is not among them is at zero."""
     poses = {robot.root: Pose(np.eye(3), np.zeros(3))}

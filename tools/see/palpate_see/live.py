@@ -7,8 +7,8 @@ import signal
 import time
 from typing import Any, Callable, Optional, Sequence
 
+from palpate_common import palpate_package
 from palpate_common.input_error import InputError
-from palpate_see import palpate_package
 from palpate_see.cloud import Cloud
 from palpate_see.configuration import Settings
 from palpate_see.log_source import take_state

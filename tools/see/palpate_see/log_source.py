@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Iterator, Optional
 
+from palpate_common import palpate_package
 from palpate_common.input_error import InputError
-from palpate_see import palpate_package
 from palpate_see.cloud import Cloud
 from palpate_see.point_cloud_message import MalformedCloud, decode_point_cloud
 from palpate_see.robot_body import RobotBody

@@ -6,8 +6,8 @@ import csv
 from pathlib import Path
 from typing import Any, Protocol
 
+from palpate_common import palpate_package
 from palpate_common.input_error import InputError
-from palpate_see import palpate_package
 from palpate_see.cloud import Observation
 
 CHANNEL = "SHAPE_OBSERVATION"
