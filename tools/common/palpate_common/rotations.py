@@ -41,6 +41,14 @@ def exp_rotation(v: Array) -> Array:
     return np.eye(3) + np.sin(angle) / angle * k + (1 - np.cos(angle)) / angle**2 * k @ k
 
 
+def exp_rotations(v: Array) -> Array:
+    """exp_rotation() of rows: (n, 3) to (n, 3, 3)."""
+    angle = np.linalg.norm(v, axis=1)[:, None, None]
+    k = cross_matrix(v)
+    # sin(a) / a and (1 - cos(a)) / a^2, accurate for small angles, too
+    return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * k + 0.5 * np.sinc(0.5 * angle / np.pi) ** 2 * k @ k)
+
+
 def log_rotation(rotation: Array) -> Array:
     """Rotation vector, rad, of length 0 to pi, (3,)."""
     q = to_wxyz(rotation)

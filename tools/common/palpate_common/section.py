@@ -87,6 +87,10 @@ class Section:
             self.fail(key, "is absent; required")
         return default
 
+    def raw(self, key: str, default: Any = REQUIRED) -> Any:
+        """As the file has it, unchecked."""
+        return self._value(key, default)
+
     def text(self, key: str, default: Any = REQUIRED) -> str:
         return str(self._value(key, default))
 
@@ -174,7 +178,7 @@ def read_section(file: Path) -> Section:
     return Section(_load(file), file)
 
 
-def _merged(base: Mapping, over: Mapping) -> Mapping:
+def merged(base: Mapping, over: Mapping) -> Mapping:
     """As palpated merges: mappings key by key, an empty entry removes, anything else replaces."""
     out = Mapping()
     out.update(base)
@@ -184,7 +188,7 @@ def _merged(base: Mapping, over: Mapping) -> Mapping:
             out.pop(key, None)
         else:
             old = base.get(key)
-            out[key] = _merged(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
+            out[key] = merged(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
             out.places[key] = over.places[key]
     return out
 
@@ -198,4 +202,4 @@ def read_configuration_section(file: Path, depth: int = 0) -> Section:
     if depth == DEEPEST:
         section.fail("base", f"{base}; allowed: at most {DEEPEST} files")
     below = read_configuration_section(file.parent / str(base), depth + 1)
-    return Section(_merged(below.values, section.values), file)
+    return Section(merged(below.values, section.values), file)
