@@ -57,7 +57,6 @@ ALLOWED = {
                     "tools/log tools/drawing tools/types",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
-    "tools/import": "core/math rt/config tools/common tools/log tools/recordings",
     "tools/mesh": "core/math core/mesh core/elasticity core/contact rt/config sim/draw tools/common tools/serve",
     "tools/record": "rt/loop rt/bus rt/config tools/common tools/types",
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/plugin rt/daemon rt/pipeline sim/scenes tools/common "

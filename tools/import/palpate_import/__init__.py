@@ -1,0 +1,1 @@
+"""Recordings of CSV files, MCAP files and ROS 2 bags to one LCM log: palpate-import."""
