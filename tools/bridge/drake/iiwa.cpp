@@ -30,7 +30,8 @@ constexpr double kMemory = 0.3;  // s, within which it makes up for that after i
 
 Iiwa::Iiwa(bus::MessageBus& bus, const kinematics::SerialChain& chain, const std::string& status,
            const std::string& command, double follow)
-    : statuses_(bus, status, iiwa_status(chain.joint_count())),
+    : bus_(bus),
+      statuses_(bus, status, iiwa_status(chain.joint_count())),
       refusals_({&statuses_.subscription()},
                 "lcmt_iiwa_status with " + std::to_string(chain.joint_count()) + " joints"),
       commands_(bus, command, iiwa_command(chain.joint_count())),

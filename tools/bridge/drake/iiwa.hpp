@@ -4,7 +4,6 @@
 #include <drake/lcmt_iiwa_status.hpp>
 
 #include "messages.hpp"
-#include "protocol.hpp"
 
 namespace palpate::drake_bridge {
 
@@ -16,6 +15,7 @@ class Iiwa final : public Protocol {
   Iiwa(bus::MessageBus& bus, const kinematics::SerialChain& chain, const std::string& status,
        const std::string& command, double follow);
 
+  void receive() override { bus_.receive(0); }
   bool take(Reading& reading) override;
   std::string complaint() override { return refusals_.next(); }
   bool foreign_command() override { return commands_.any_foreign(); }
@@ -26,6 +26,7 @@ class Iiwa final : public Protocol {
   bool is_stopped_by_command() const override { return false; }
 
  private:
+  bus::MessageBus& bus_;
   StatusInput<::drake::lcmt_iiwa_status> statuses_;
   Refusals refusals_;
   CommandOutput<::drake::lcmt_iiwa_command> commands_;

@@ -46,4 +46,17 @@ bool CommandWatch::any() noexcept {
   return any;
 }
 
+bool ForceTorqueInput::take(math::Wrench& wrench_S) {
+  ::drake::lcmt_force_torque message;
+  std::int64_t arrival_ns = 0;
+  while (messages_.take(message, arrival_ns)) {
+    const math::Wrench wrench{{message.fx, message.fy, message.fz},
+                              {message.tx, message.ty, message.tz}};
+    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) continue;
+    wrench_S = wrench;
+    return true;
+  }
+  return false;
+}
+
 }  // namespace palpate::drake_bridge

@@ -2,16 +2,22 @@
 
 #include <array>
 #include <cstdint>
+#include <drake/lcmt_force_torque.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
+#include "tools/bridge/common/protocol.hpp"
 
 // Drake's messages have arrays of as many numbers as the arm has joints. For one arm their size is
 // thus fixed, and the bus checks it before a message is decoded.
 
 namespace palpate::drake_bridge {
+
+using bridge::Joints;
+using bridge::Protocol;
+using bridge::Reading;
 
 /// Big-endian number in an encoded message.
 template <class Number>
@@ -113,6 +119,18 @@ class CommandOutput {
   Message message_;
   bus::TypedPublisher<Message> publisher_;
   CommandWatch watch_;
+};
+
+/// Messages of a wrist sensor, lcmt_force_torque in S.
+class ForceTorqueInput final : public bridge::WrenchInput {
+ public:
+  ForceTorqueInput(bus::MessageBus& bus, const std::string& channel)
+      : messages_(bus, channel, 64) {}
+
+  bool take(math::Wrench& wrench_S) override;
+
+ private:
+  bus::TypedSubscription<::drake::lcmt_force_torque> messages_;
 };
 
 }  // namespace palpate::drake_bridge

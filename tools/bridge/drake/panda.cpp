@@ -68,7 +68,8 @@ void read(const Status& status, Reading& reading) {
 
 Panda::Panda(bus::MessageBus& bus, int joints, const std::string& status,
              const std::string& command)
-    : statuses_(bus, status, panda_status<::drake::lcmt_panda_status>(joints)),
+    : bus_(bus),
+      statuses_(bus, status, panda_status<::drake::lcmt_panda_status>(joints)),
       former_statuses_(bus, status, panda_status<::drake::lcmt_panda_status_v1>(joints)),
       refusals_(
           {&statuses_.subscription(), &former_statuses_.subscription()},

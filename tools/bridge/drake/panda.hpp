@@ -6,7 +6,6 @@
 #include <drake/lcmt_panda_status_v1.hpp>
 
 #include "messages.hpp"
-#include "protocol.hpp"
 
 namespace palpate::drake_bridge {
 
@@ -16,6 +15,7 @@ class Panda final : public Protocol {
  public:
   Panda(bus::MessageBus& bus, int joints, const std::string& status, const std::string& command);
 
+  void receive() override { bus_.receive(0); }
   bool take(Reading& reading) override;
   std::string complaint() override { return refusals_.next(); }
   bool foreign_command() override;
@@ -26,6 +26,7 @@ class Panda final : public Protocol {
   bool is_stopped_by_command() const override { return true; }
 
  private:
+  bus::MessageBus& bus_;
   StatusInput<::drake::lcmt_panda_status> statuses_;
   StatusInput<::drake::lcmt_panda_status_v1> former_statuses_;
   Refusals refusals_;

@@ -2,31 +2,14 @@
 
 #include "iiwa.hpp"
 #include "panda.hpp"
-#include "rt/bus/udpm_url.hpp"
 #include "rt/config/key_file.hpp"
-#include "rt/registry/arm_model.hpp"
+#include "tools/bridge/common/settings.hpp"
 
 namespace palpate::drake_bridge {
 namespace {
 
-using config::Key;
 using config::Node;
 using config::OptionTable;
-
-config::OptionTable<driver::JointGuard::Options> guard_table() {
-  using Options = driver::JointGuard::Options;
-  return OptionTable<Options>()
-      .number("linear_speed", "m/s", "largest speed of the flange", {1e-4, 2},
-              &Options::linear_speed)
-      .number("angular_speed", "rad/s", "largest angular speed of the flange", {1e-4, 6},
-              &Options::angular_speed)
-      .number("speed_share", "", "fraction of the joints' speed limits in the URDF that is used",
-              {0.01, 1}, &Options::speed_share)
-      .number("acceleration", "rad/s^2", "largest acceleration of every joint", {0.1, 20},
-              &Options::acceleration)
-      .number("margin", "rad", "margin to both position limits of every joint", {0, 0.5},
-              &Options::margin);
-}
 
 Gripper::Options read_gripper(const Node& node) {
   using Options = Gripper::Options;
@@ -57,16 +40,6 @@ ShapeView::Options read_shape(const Node& node) {
   return options;
 }
 
-std::string read_url(const Node& bus, const Key& key, const std::string& otherwise) {
-  const std::string url = bus.text(key, otherwise);
-  try {
-    palpate::bus::parse_udpm_url(url);
-  } catch (const std::invalid_argument& error) {
-    bus.fail(key.name, error.what());
-  }
-  return url;
-}
-
 }  // namespace
 
 Settings read_settings(const Node& root) {
@@ -74,17 +47,8 @@ Settings read_settings(const Node& root) {
   const std::string arm =
       robot.choice({"arm", "", "kind of the arm's driver: positions (iiwa) or velocities (panda)"},
                    {"iiwa", "panda"});
-  const std::string urdf = robot.path({"urdf", "", "expanded URDF file of the arm"});
-  const std::string flange = robot.text({"flange", "", "link of the URDF that is E"}, "flange");
-  const auto chain = [&] {
-    try {
-      return registry::read_urdf(urdf, flange);
-    } catch (const std::invalid_argument& error) {
-      robot.fail("urdf", error.what());
-    }
-  };
   const bool is_iiwa = arm == "iiwa";
-  Settings settings(chain());
+  Settings settings(bridge::read_chain(robot));
   settings.kind = is_iiwa ? Settings::Kind::kIiwa : Settings::Kind::kPanda;
   const std::string prefix = is_iiwa ? "IIWA" : "PANDA";
   settings.status = robot.text({"status", "", "channel of the arm's states"}, prefix + "_STATUS");
@@ -93,23 +57,19 @@ Settings read_settings(const Node& root) {
   settings.wrench = robot.text(
       {"wrench", "", "channel of lcmt_force_torque, for FT_WRENCH; empty: another program does"},
       "");
-  settings.stale =
-      1e-3 * robot.number({"stale_ms", "ms", "without a state, until the arm counts as absent"},
-                          {5, 50}, 1e3 * settings.stale);
+  settings.stale = bridge::read_stale(robot);
   if (is_iiwa)
     settings.follow =
         robot.number({"follow", "rad", "error of a joint at rest that counts as a stopped arm"},
                      {1e-3, 0.5}, settings.follow);
 
   const Node bus = root.child_or_empty({"bus", "", "LCM URLs"});
-  settings.control = read_url(bus, {"control", "", "palpated's sensors, robot and commands"},
-                              "udpm://239.255.76.67:7667?ttl=0");
-  settings.housekeeping =
-      read_url(bus, {"housekeeping", "", "palpated's shape"}, "udpm://239.255.76.68:7668?ttl=0");
-  settings.drake = read_url(bus, {"drake", "", "Drake's messages"}, settings.control);
+  settings.control = bridge::read_control_url(bus);
+  settings.housekeeping = bridge::read_url(bus, {"housekeeping", "", "palpated's shape"},
+                                           "udpm://239.255.76.68:7668?ttl=0");
+  settings.drake = bridge::read_url(bus, {"drake", "", "Drake's messages"}, settings.control);
   settings.key = config::read_key(root);
-  settings.guard =
-      root.child_or_empty({"guard", "", "limits of the arm's motion"}).read(guard_table());
+  settings.guard = bridge::read_guard(root);
   if (root.has("gripper"))
     settings.gripper = read_gripper(root.child({"gripper", "", "a Schunk WSG; absent: none"}));
   if (root.has("shape"))
@@ -118,7 +78,7 @@ Settings read_settings(const Node& root) {
   return settings;
 }
 
-std::unique_ptr<Protocol> Settings::make_protocol(bus::MessageBus& bus) const {
+std::unique_ptr<bridge::Protocol> Settings::make_protocol(bus::MessageBus& bus) const {
   if (kind == Kind::kPanda)
     return std::make_unique<Panda>(bus, chain.joint_count(), status, command);
   return std::make_unique<Iiwa>(bus, chain, status, command, follow);

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "gripper.hpp"
-#include "protocol.hpp"
 #include "rt/config/node.hpp"
 #include "shape_view.hpp"
+#include "tools/bridge/common/protocol.hpp"
 #include "tools/driver/joint_guard.hpp"
 
 namespace palpate::drake_bridge {
@@ -32,7 +32,7 @@ struct Settings {
   std::optional<ShapeView::Options> shape;
 
   /// Throws std::invalid_argument for a channel that is no valid name.
-  std::unique_ptr<Protocol> make_protocol(bus::MessageBus& bus) const;
+  std::unique_ptr<bridge::Protocol> make_protocol(bus::MessageBus& bus) const;
 };
 
 /// Throws config::Error.

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/unit/tools/bridge/drake/cell.hpp"
 
 namespace palpate::drake_bridge {

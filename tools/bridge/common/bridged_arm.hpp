@@ -1,28 +1,24 @@
 #pragma once
 
-#include <drake/lcmt_force_torque.hpp>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "protocol.hpp"
-#include "rt/bus/message_bus.hpp"
 
-namespace palpate::drake_bridge {
+namespace palpate::bridge {
 
-/// An arm behind one of Drake's drivers. Commands are sent in answer to statuses, and only after
-/// palpated has moved the arm: an arm whose driver falls silent receives none. The arm counts as
-/// stopped, which latches, when its driver has started again, it reports a stop, it does not
-/// follow, or another program commands it.
-class DrakeArm final : public driver::Arm {
+/// An arm behind another program or controller, its driver. Commands are sent in answer to
+/// statuses, and only after palpated has moved the arm: an arm whose driver falls silent receives
+/// none. The arm counts as stopped, which latches, when its driver has started again, it reports a
+/// stop, it does not follow, or another program commands it.
+class BridgedArm final : public driver::Arm {
  public:
   static constexpr std::int64_t kGuard = 250'000'000;  // ns without commands after a first status
   static constexpr std::int64_t kOthers = 1'000'000'000;  // ns that another master's command counts
 
   struct Options {
     double stale = 0.05;                       // s without a status until the arm counts as absent
-    std::string wrench;                        // channel of lcmt_force_torque in S; empty: none
     std::function<std::int64_t()> now_ns;      // CLOCK_MONOTONIC, that of arrivals
     std::function<std::int64_t()> wall_clock;  // us
     std::function<void(const std::string&)> say;  // events for the user
@@ -34,9 +30,9 @@ class DrakeArm final : public driver::Arm {
     std::int64_t commands = 0;  // sent
   };
 
-  /// On the bus of Drake's driver; call before it starts. Throws as subscribe() does.
-  DrakeArm(bus::MessageBus& bus, int joints, std::unique_ptr<Protocol> protocol,
-           const Options& options);
+  /// `wrenches`, if any, outlives this object.
+  BridgedArm(int joints, std::unique_ptr<Protocol> protocol, const Options& options,
+             WrenchInput* wrenches = nullptr);
 
   int joint_count() const override { return static_cast<int>(reading_.q.size()); }
   bool read(driver::ArmState& state) override;
@@ -50,10 +46,9 @@ class DrakeArm final : public driver::Arm {
   const char* stop_reason(std::int64_t now_ns);
   void read_wrench(driver::ArmState& state);
 
-  bus::MessageBus& bus_;
   std::unique_ptr<Protocol> protocol_;
   Options options_;
-  std::optional<bus::TypedSubscription<::drake::lcmt_force_torque>> wrenches_;
+  WrenchInput* wrenches_;
   Reading incoming_, reading_;  // reading_: the last good one
   bool is_new_ = false;         // reading_, since the last read() or command
   bool unanswered_ = false;
@@ -67,4 +62,4 @@ class DrakeArm final : public driver::Arm {
   Counts counts_;
 };
 
-}  // namespace palpate::drake_bridge
+}  // namespace palpate::bridge

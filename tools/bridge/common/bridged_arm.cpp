@@ -1,8 +1,8 @@
-#include "drake_arm.hpp"
+#include "bridged_arm.hpp"
 
 #include <algorithm>
 
-namespace palpate::drake_bridge {
+namespace palpate::bridge {
 namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
@@ -15,15 +15,14 @@ constexpr std::int64_t kStopping = kNsPerSecond / 10;   // ns that an absent arm
 
 }  // namespace
 
-DrakeArm::DrakeArm(bus::MessageBus& bus, int joints, std::unique_ptr<Protocol> protocol,
-                   const Options& options)
-    : bus_(bus), protocol_(std::move(protocol)), options_(options) {
+BridgedArm::BridgedArm(int joints, std::unique_ptr<Protocol> protocol, const Options& options,
+                       WrenchInput* wrenches)
+    : protocol_(std::move(protocol)), options_(options), wrenches_(wrenches) {
   for (Joints* numbers : {&reading_.q, &reading_.dq, &reading_.tau}) numbers->setZero(joints);
   incoming_ = reading_;
-  if (!options.wrench.empty()) wrenches_.emplace(bus, options.wrench, 64);
 }
 
-void DrakeArm::connect(std::int64_t arrival_ns) {
+void BridgedArm::connect(std::int64_t arrival_ns) {
   is_connected_ = true;
   is_restarted_ = counts_.absences > 0;
   is_commanding_ = false;
@@ -31,7 +30,7 @@ void DrakeArm::connect(std::int64_t arrival_ns) {
   options_.say("the arm's driver has begun: no command for 0.25 s");
 }
 
-void DrakeArm::lose(std::int64_t now_ns, const char* why) {
+void BridgedArm::lose(std::int64_t now_ns, const char* why) {
   is_connected_ = false;
   newest_utime_ = 0;
   ++counts_.absences;
@@ -40,7 +39,7 @@ void DrakeArm::lose(std::int64_t now_ns, const char* why) {
 }
 
 /// Judges incoming_.
-void DrakeArm::accept(std::int64_t now_ns) {
+void BridgedArm::accept(std::int64_t now_ns) {
   if (!incoming_.q.allFinite() || !incoming_.dq.allFinite()) {
     ++counts_.rejected;
     return;
@@ -61,7 +60,7 @@ void DrakeArm::accept(std::int64_t now_ns) {
   if (!is_connected_) connect(reading_.arrival_ns);
 }
 
-const char* DrakeArm::stop_reason(std::int64_t now_ns) {
+const char* BridgedArm::stop_reason(std::int64_t now_ns) {
   if (now_ns < foreign_until_ns_) return "another program commands the arm";
   // Once only: palpated, which sees a new session, has then to send a stop.
   if (is_restarted_ || is_early_) {
@@ -77,22 +76,14 @@ const char* DrakeArm::stop_reason(std::int64_t now_ns) {
   return "the arm does not follow";
 }
 
-void DrakeArm::read_wrench(driver::ArmState& state) {
+void BridgedArm::read_wrench(driver::ArmState& state) {
   state.has_wrench = false;
-  if (!wrenches_) return;
-  ::drake::lcmt_force_torque message;
-  std::int64_t arrival_ns = 0;
-  while (wrenches_->take(message, arrival_ns)) {
-    const math::Wrench wrench{{message.fx, message.fy, message.fz},
-                              {message.tx, message.ty, message.tz}};
-    if (!wrench.force.allFinite() || !wrench.torque.allFinite()) continue;
-    state.wrench_S = wrench;
-    state.has_wrench = true;
-  }
+  if (wrenches_ == nullptr) return;
+  while (wrenches_->take(state.wrench_S)) state.has_wrench = true;
 }
 
-bool DrakeArm::read(driver::ArmState& state) {
-  bus_.receive(0);
+bool BridgedArm::read(driver::ArmState& state) {
+  protocol_->receive();
   const std::int64_t now_ns = options_.now_ns();
   is_new_ = false;
   while (protocol_->take(incoming_)) accept(now_ns);
@@ -118,7 +109,7 @@ bool DrakeArm::read(driver::ArmState& state) {
   return true;
 }
 
-void DrakeArm::command(const Joints& dq) {
+void BridgedArm::command(const Joints& dq) {
   const std::int64_t now_ns = options_.now_ns();
   const std::int64_t step_ns = std::min(now_ns - commanded_ns_, kLongestStep);
   commanded_ns_ = now_ns;
@@ -154,4 +145,4 @@ void DrakeArm::command(const Joints& dq) {
   ++counts_.commands;
 }
 
-}  // namespace palpate::drake_bridge
+}  // namespace palpate::bridge

@@ -1,4 +1,4 @@
-#include "tools/bridge/drake/drake_arm.hpp"
+#include "tools/bridge/common/bridged_arm.hpp"
 
 #include <gtest/gtest.h>
 

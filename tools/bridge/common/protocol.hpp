@@ -5,7 +5,7 @@
 
 #include "tools/driver/arm.hpp"
 
-namespace palpate::drake_bridge {
+namespace palpate::bridge {
 
 using driver::Joints;
 
@@ -17,17 +17,18 @@ struct Reading {
   const char* halted = nullptr;  // why the arm does not obey commands; nullptr: it does
 };
 
-/// Messages between Drake's driver of one kind of arm and this program.
+/// Messages between the driver of one kind of arm and this program.
 class Protocol {
  public:
   virtual ~Protocol() = default;
 
+  /// Receives what has arrived, without waiting: once per cycle, before take().
+  virtual void receive() = 0;
   /// The next status; false if there is none. Numbers may be non-finite.
   virtual bool take(Reading& reading) = 0;
-  /// A complaint about messages on the status channel that are refused, once for each kind; empty
-  /// if there is none.
+  /// A complaint about what the driver has sent, once for each kind; empty if there is none.
   virtual std::string complaint() = 0;
-  /// Whether another sender has published a command since the last call.
+  /// Whether another program has commanded the arm since the last call.
   virtual bool foreign_command() = 0;
 
   /// The arm stands at `q`, and motion begins there.
@@ -43,4 +44,12 @@ class Protocol {
   virtual bool is_stopped_by_command() const = 0;
 };
 
-}  // namespace palpate::drake_bridge
+/// Readings of a wrist sensor that arrive separately from the states of the arm.
+class WrenchInput {
+ public:
+  virtual ~WrenchInput() = default;
+  /// The next reading, of the sensor on the hand, in S; false if there is none. All are finite.
+  virtual bool take(math::Wrench& wrench_S) = 0;
+};
+
+}  // namespace palpate::bridge
