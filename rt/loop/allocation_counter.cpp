@@ -92,6 +92,8 @@ void abort_on_allocation(bool abort) noexcept {
 // The C library's own entry points under their alternative names. free() is defined here only to
 // ensure that memory is returned to the allocator it came from, even if a preloaded library defines
 // free().
+// Visible to the C++ library, whose operator new then calls these.
+#pragma GCC visibility push(default)
 extern "C" {
 
 // NOLINTBEGIN(bugprone-reserved-identifier): these are the C library's names.
@@ -185,5 +187,6 @@ int pthread_rwlock_wrlock(pthread_rwlock_t* lock) noexcept {
 }
 
 }  // extern "C"
+#pragma GCC visibility pop
 
 #endif

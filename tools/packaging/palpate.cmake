@@ -49,6 +49,8 @@ set(PALPATE_SLOWNESS 1)
 if(PALPATE_SANITIZE OR PALPATE_COVERAGE)
   set(PALPATE_SLOWNESS 8)
 endif()
+# Only libraries that are used are loaded, whatever the packages of others link to.
+target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-Wl,--as-needed>)
 find_program(MOLD_PROGRAM mold)
 if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)

@@ -209,13 +209,18 @@ TEST_F(BarServo, PressesATableWithTheLargestForceAndNoMore) {
   QuadraticProgramLaw law(servo(), limited);
   start(law, {0, 0, -0.012});
   double largest = 0;
-  for (int i = 0; i < 800; ++i) {
+  int remarked = 0;
+  constexpr int kTicks = 800, kLast = 200;
+  for (int i = 0; i < kTicks; ++i) {
     tick();
     largest = std::max(largest, force());
+    const bool says = std::string(output_.remark) ==
+                      "the target lies beyond the limit of the force on an obstacle";
+    remarked += says && i >= kTicks - kLast ? 1 : 0;
   }
   EXPECT_LE(largest, 1.1 * table.force);  // while the bar slides, a sensitivity lags behind
   EXPECT_NEAR(force(), table.force, 0.1 * table.force) << "as near as it may";
-  EXPECT_STREQ(output_.remark, "the target lies beyond the limit of the force on an obstacle");
+  EXPECT_GE(remarked, 0.5 * kLast) << "of the last ticks";
 }
 
 TEST_F(BarServo, TheHandStaysInItsWorkspace) {

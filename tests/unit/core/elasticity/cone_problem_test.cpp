@@ -69,7 +69,7 @@ class Friction : public ::testing::TestWithParam<double> {};
 TEST_P(Friction, TheLawsOfSignoriniAndCoulombHoldAtEveryPoint) {
   const double mu = GetParam();
   int sticking = 0, slipping = 0, open = 0;
-  for (int seed = 1; seed <= 20; ++seed) {
+  for (int seed = 1; seed <= 40; ++seed) {
     const int count = 12;
     const Springs springs(count, seed);
     math::Random random(100 + seed);

@@ -60,7 +60,7 @@ TEST(MovingObstacle, ARisingPlaneCompressesACube) {
 
 TEST(MovingObstacle, WhatSticksFollowsAPlaneThatSlidesAndTurns) {
   const double depth = 1e-3;
-  const auto model = pressed_cube(depth, 50);
+  const auto model = pressed_cube(depth, 3);
   std::vector<int> lower = nodes_at(model->body().mesh, 2, 0);
   const Eigen::Matrix3Xd before = model->positions();
   math::Pose X = pressing(depth);

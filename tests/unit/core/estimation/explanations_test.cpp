@@ -91,7 +91,7 @@ TEST(Explanations, UnevenStiffness) {
 /// Uneven stiffness shows in the likelihood of all wrenches together, and none does where the model
 /// holds.
 TEST(Explanations, ALastingCauseIsReportedThoughNoSingleWrenchContradicts) {
-  constexpr double kSeconds = 15;
+  constexpr double kSeconds = 20;
   int by_likelihood = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     DrawnWorld world(seed, 2);
