@@ -49,6 +49,12 @@ def patched(text, diff):
     return text
 
 
+def without_precompiled(words):
+    """The words of a compiler without the headers that are precompiled with the build's optimisation; no source needs them."""
+    of_headers = ("-Xclang", "-include-pch", "-include", "-Winvalid-pch")
+    return [word for word in words if word not in of_headers and not word.endswith((".pch", "cmake_pch.hxx"))]
+
+
 def run(words, **options):
     done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE, **options)
     if done.returncode != 0:
@@ -88,7 +94,8 @@ class Copy:
                 at = words.index("-o")
                 words = words[:at] + [word for word in words[at + 2:] if word != "-c" and not word.endswith((".cpp", ".cxx"))]
                 own = [f"-I{self.root}" if word == f"-I{ROOT}" else word for word in words if "ccache" not in word]
-                return [word for word in own if "=" not in word or not word.startswith("CCACHE")]
+                own = [word for word in own if "=" not in word or not word.startswith("CCACHE")]
+                return [*without_precompiled(own), "-O0"]
         raise AssertionError(f"{target} is not in compile_commands.json")
 
     def batches(self, target, folder):
