@@ -88,7 +88,7 @@ class Section:
         return default
 
     def raw(self, key: str, default: Any = REQUIRED) -> Any:
-        """As the file has it, unchecked."""
+        """The value as it stands in the file, without a check of its type or range."""
         return self._value(key, default)
 
     def text(self, key: str, default: Any = REQUIRED) -> str:
