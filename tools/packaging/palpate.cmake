@@ -53,7 +53,9 @@ endif()
 target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-Wl,--as-needed>)
 find_program(MOLD_PROGRAM mold)
 if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
-  target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
+  # Before version 2.4 mold may begin the read-only segment of relocations with .tbss, on a page that
+  # is not mapped; such a program does not start (github.com/rui314/mold/issues/1151).
+  target_link_options(palpate_flags INTERFACE "$<BUILD_INTERFACE:-fuse-ld=mold;-Wl,-z,norelro>")
 endif()
 
 # Compilation of a target. LOOP: as users run it. OFFLINE: tests of programs, and programs with little
