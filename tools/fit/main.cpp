@@ -15,6 +15,7 @@
 #include "tools/fit/held/held_plan_report.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/report.hpp"
+#include "tools/fit/simulators/export_command.hpp"
 
 namespace {
 
@@ -142,6 +143,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   int code = 0;
   fit::add_held_plan_command(app, code);
+  fit::add_export_command(app, code);
   common::catch_interruptions();
   return common::run_program("palpate-fit", [&]() -> int {
     if (const auto ended = config::parse(app, argc, argv,

@@ -18,7 +18,7 @@ BEFORE = {"sudo", "nice", "time", "exec", "until", "while", "if", "!", "then", "
 OPTION = re.compile(r"(?<![\w-])(--[A-Za-z][\w-]*|-[A-Za-z])\b")
 IDENTIFIER = re.compile(r"\b[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)+\b")
 FRAMES = re.compile(r"[A-Za-z]+_[A-Z]{1,2}(?:_[A-Z])?$|.*_[12x]$")  # X_AB, p_AB_C, F_P_A
-WRITTEN = re.compile(r"\.(?:csv|json|html|log|png|svg|mp4|vtu|pt)$")  # files that programs write
+WRITTEN = re.compile(r"\.(?:csv|json|html|log|png|svg|mp4|vtu|vtk|xml|sdf|scn|pt)$")  # files that programs write
 FILE = re.compile(r"[\w-]+\.(?:hpp|cpp|yaml|py|md|lcm|cmake|service|conf)$")
 
 

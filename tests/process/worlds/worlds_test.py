@@ -184,7 +184,7 @@ class CommandLine(unittest.TestCase):
     def test_help_needs_no_package(self) -> None:
         for program in (
             "palpate-world", "measure_worlds", "make_object", "drake_arm", "steer_drake_arm",
-            "ur_arm",
+            "ur_arm", "measure_exports",
         ):  # fmt: skip
             done = subprocess.run(
                 ["/usr/bin/python3", "-B", str(WORLDS / program), "--help"],
