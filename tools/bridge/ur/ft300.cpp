@@ -53,7 +53,8 @@ bool WrenchText::take(char character, math::Wrench& wrench) {
   return false;
 }
 
-Ft300::Ft300(std::unique_ptr<Stream> stream, double polarity, std::function<std::int64_t()> now_ns)
+Ft300::Ft300(std::unique_ptr<bridge::Stream> stream, double polarity,
+             std::function<std::int64_t()> now_ns)
     : stream_(std::move(stream)), polarity_(polarity), now_ns_(std::move(now_ns)) {}
 
 void Ft300::connect(std::int64_t now_ns) {
@@ -75,7 +76,7 @@ bool Ft300::take(math::Wrench& wrench_S) {
       return true;
     }
     const std::int64_t now_ns = now_ns_();
-    if (stream_->state() == Stream::State::kClosed) connect(now_ns);
+    if (stream_->state() == bridge::Stream::State::kClosed) connect(now_ns);
     begin_ = 0;
     end_ = stream_->read(received_.data(), static_cast<int>(received_.size()));
     if (end_ > 0)

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "stream.hpp"
 #include "tools/bridge/common/protocol.hpp"
+#include "tools/bridge/common/stream.hpp"
 
 namespace palpate::ur_bridge {
 
@@ -33,7 +33,8 @@ class Ft300 final : public bridge::WrenchInput {
  public:
   /// `polarity`: 1 if the sensor reports its wrench on the hand, -1 if that of the hand on it.
   /// `now_ns`: any steady clock.
-  Ft300(std::unique_ptr<Stream> stream, double polarity, std::function<std::int64_t()> now_ns);
+  Ft300(std::unique_ptr<bridge::Stream> stream, double polarity,
+        std::function<std::int64_t()> now_ns);
 
   bool take(math::Wrench& wrench_S) override;
   std::int64_t readings() const { return readings_; }
@@ -42,7 +43,7 @@ class Ft300 final : public bridge::WrenchInput {
  private:
   void connect(std::int64_t now_ns);
 
-  std::unique_ptr<Stream> stream_;
+  std::unique_ptr<bridge::Stream> stream_;
   double polarity_;
   std::function<std::int64_t()> now_ns_;
   WrenchText text_;

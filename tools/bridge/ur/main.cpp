@@ -35,13 +35,13 @@ void run(const palpate::config::Node& configuration, const std::string& file) {
   settings.arm.now_ns = options.now_ns;
   // Another than of a program that an earlier palpate-ur has left on the controller.
   settings.arm.numbers.run = static_cast<std::int32_t>(std::random_device()() >> 2);
-  auto protocol = std::make_unique<ur::Ur>(ur::make_tcp_stream(settings.host, settings.rtde_port),
-                                           ur::make_tcp_stream(settings.host, settings.script_port),
-                                           settings.arm);
+  auto protocol = std::make_unique<ur::Ur>(
+      bridge::make_tcp_stream(settings.host, settings.rtde_port),
+      bridge::make_tcp_stream(settings.host, settings.script_port), settings.arm);
   const ur::Ur& arm_protocol = *protocol;
   std::optional<ur::Ft300> sensor;
   if (settings.ft300)
-    sensor.emplace(ur::make_tcp_stream(settings.host, settings.ft300->port),
+    sensor.emplace(bridge::make_tcp_stream(settings.host, settings.ft300->port),
                    settings.ft300->polarity, options.now_ns);
   bridge::WrenchInput* wrenches = nullptr;
   if (sensor)

@@ -14,7 +14,7 @@ constexpr int kBuffer = 4 * kMostPackage;
 
 }  // namespace
 
-RtdeClient::RtdeClient(std::unique_ptr<Stream> stream, Options options)
+RtdeClient::RtdeClient(std::unique_ptr<bridge::Stream> stream, Options options)
     : stream_(std::move(stream)),
       options_(std::move(options)),
       output_size_(size_of(options_.outputs)),
@@ -132,10 +132,10 @@ void RtdeClient::poll(std::int64_t now_ns) {
     stream_->open();
     enter(Phase::kConnecting);
   }
-  const Stream::State state = stream_->state();
-  if (state == Stream::State::kClosed)
+  const bridge::Stream::State state = stream_->state();
+  if (state == bridge::Stream::State::kClosed)
     return fail(phase_ == Phase::kConnecting ? "no connection" : "the connection is lost");
-  if (phase_ == Phase::kConnecting && state == Stream::State::kOpen) enter(Phase::kVersion);
+  if (phase_ == Phase::kConnecting && state == bridge::Stream::State::kOpen) enter(Phase::kVersion);
   if (phase_ != Phase::kWaiting && now_ns > deadline_ns_)
     return fail(phase_ == Phase::kConnecting ? "no connection" : "no answer");
   if (begin_ > 0) {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "packages.hpp"
-#include "stream.hpp"
+#include "tools/bridge/common/stream.hpp"
 
 namespace palpate::ur_bridge {
 
@@ -18,7 +18,7 @@ class RtdeClient {
     int oldest_major = 3;  // version of the controller's software: 3 (CB3), 5 (e-Series), ...
   };
 
-  RtdeClient(std::unique_ptr<Stream> stream, Options options);
+  RtdeClient(std::unique_ptr<bridge::Stream> stream, Options options);
 
   /// Once per cycle: continues to connect, and receives. `now_ns`: any steady clock.
   void poll(std::int64_t now_ns);
@@ -55,7 +55,7 @@ class RtdeClient {
   void fail(const std::string& why);
   void fail_answer(const std::string& to) { fail("its answer to " + to + " is malformed"); }
 
-  std::unique_ptr<Stream> stream_;
+  std::unique_ptr<bridge::Stream> stream_;
   Options options_;
   int output_size_;
   Phase phase_ = Phase::kWaiting;

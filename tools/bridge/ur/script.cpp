@@ -47,7 +47,7 @@ void ScriptSender::send(std::string script) {
 }
 
 void ScriptSender::poll() {
-  if (stream_->state() != Stream::State::kOpen) return;
+  if (stream_->state() != bridge::Stream::State::kOpen) return;
   if (!script_.empty()) {
     stream_->write(reinterpret_cast<const std::uint8_t*>(script_.data()),
                    static_cast<int>(script_.size()));

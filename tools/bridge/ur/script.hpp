@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "stream.hpp"
+#include "tools/bridge/common/stream.hpp"
 
 namespace palpate::ur_bridge {
 
@@ -24,7 +24,7 @@ std::string fill_script(const std::string& text, const ScriptNumbers& numbers);
 /// Sends a program to the controller's interface for scripts. Never waits.
 class ScriptSender {
  public:
-  explicit ScriptSender(std::unique_ptr<Stream> stream) : stream_(std::move(stream)) {}
+  explicit ScriptSender(std::unique_ptr<bridge::Stream> stream) : stream_(std::move(stream)) {}
 
   void send(std::string script);
   /// Once per cycle. The connection stays open until end(), as the controller writes its state to
@@ -33,7 +33,7 @@ class ScriptSender {
   void end() { stream_->close(); }
 
  private:
-  std::unique_ptr<Stream> stream_;
+  std::unique_ptr<bridge::Stream> stream_;
   std::string script_;  // what is to be sent
 };
 

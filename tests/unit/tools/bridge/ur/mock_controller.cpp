@@ -12,37 +12,6 @@ namespace {
 
 constexpr std::int64_t kNotYet = std::numeric_limits<std::int64_t>::max();
 
-class MemoryStream final : public Stream {
- public:
-  MemoryStream(MockController::Pipe& pipe, const std::int64_t& now_ns, std::string name)
-      : pipe_(pipe), now_ns_(now_ns), name_(std::move(name)) {}
-
-  void open() override { pipe_ = {}, pipe_.is_wanted = true; }
-  State state() override {
-    return pipe_.is_open ? State::kOpen : pipe_.is_wanted ? State::kConnecting : State::kClosed;
-  }
-  int read(std::uint8_t* to, int size) override {
-    int count = 0;
-    while (count < size && !pipe_.to_client.empty() && pipe_.to_client.front().first <= now_ns_) {
-      to[count++] = pipe_.to_client.front().second;
-      pipe_.to_client.pop_front();
-    }
-    return count;
-  }
-  bool write(const std::uint8_t* data, int size) override {
-    if (!pipe_.is_open) return false;
-    for (int i = 0; i < size; ++i) pipe_.to_server.emplace_back(now_ns_, data[i]);
-    return true;
-  }
-  void close() override { pipe_ = {}; }
-  const std::string& name() const override { return name_; }
-
- private:
-  MockController::Pipe& pipe_;
-  const std::int64_t& now_ns_;
-  std::string name_;
-};
-
 void append(std::vector<std::uint8_t>& bytes, std::uint64_t value, int size) {
   for (int i = size - 1; i >= 0; --i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
@@ -98,8 +67,8 @@ MockController::MockController(const driver::Joints& q, int period_ms)
   wanted_.setZero(6);
 }
 
-std::unique_ptr<Stream> MockController::connect(Pipe& pipe, const std::string& name) {
-  return std::make_unique<MemoryStream>(pipe, now_ns_, name);
+std::unique_ptr<bridge::Stream> MockController::connect(Pipe& pipe, const std::string& name) {
+  return std::make_unique<bridge::MemoryStream>(pipe, now_ns_, name);
 }
 
 void MockController::violate(const std::string& what) {

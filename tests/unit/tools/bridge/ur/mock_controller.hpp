@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/bridge/ur/stream.hpp"
+#include "tests/unit/tools/bridge/common/memory_stream.hpp"
 #include "tools/driver/arm.hpp"
 
 namespace palpate::ur_bridge {
@@ -18,20 +18,15 @@ namespace palpate::ur_bridge {
 /// follow_velocities.script; six joints. The members are faults.
 class MockController {
  public:
-  /// Both directions of a connection, with the time of each arrival.
-  struct Pipe {
-    bool is_open = false;
-    bool is_wanted = false;  // the client connects
-    std::deque<std::pair<std::int64_t, std::uint8_t>> to_client, to_server;
-  };
+  using Pipe = bridge::Pipe;
   static constexpr double kLag = 0.002;  // s, of the joints
   static constexpr double kBrakes = 30;  // rad/s^2, of its own stops
   static constexpr int kStartUp = 80;    // ms until a program runs
 
   explicit MockController(const driver::Joints& q, int period_ms = 2);
 
-  std::unique_ptr<Stream> rtde_stream() { return connect(rtde_, "mock:30004"); }
-  std::unique_ptr<Stream> script_stream() { return connect(script_, "mock:30002"); }
+  std::unique_ptr<bridge::Stream> rtde_stream() { return connect(rtde_, "mock:30004"); }
+  std::unique_ptr<bridge::Stream> script_stream() { return connect(script_, "mock:30002"); }
 
   /// Once per ms.
   void step(std::int64_t now_ns);
@@ -75,7 +70,7 @@ class MockController {
     bool is_register = false;
   };
 
-  std::unique_ptr<Stream> connect(Pipe& pipe, const std::string& name);
+  std::unique_ptr<bridge::Stream> connect(Pipe& pipe, const std::string& name);
   void serve();
   void handle(std::uint8_t type, const std::vector<std::uint8_t>& fields);
   void answer(std::uint8_t type, const std::vector<std::uint8_t>& fields);

@@ -100,11 +100,11 @@ bool wait_for(const std::function<bool()>& condition) {
 
 TEST(TcpStream, ConnectsReadsWritesAndSeesTheEnd) {
   Server server;
-  const auto stream = make_tcp_stream("127.0.0.1", server.port);
-  EXPECT_EQ(stream->state(), Stream::State::kClosed);
+  const auto stream = bridge::make_tcp_stream("127.0.0.1", server.port);
+  EXPECT_EQ(stream->state(), bridge::Stream::State::kClosed);
   stream->open();
   server.accept();
-  ASSERT_TRUE(wait_for([&] { return stream->state() == Stream::State::kOpen; }));
+  ASSERT_TRUE(wait_for([&] { return stream->state() == bridge::Stream::State::kOpen; }));
   std::uint8_t byte = 0;
   EXPECT_EQ(stream->read(&byte, 1), 0) << "does not wait";
   ASSERT_EQ(::send(server.peer, "x", 1, 0), 1);
@@ -116,15 +116,15 @@ TEST(TcpStream, ConnectsReadsWritesAndSeesTheEnd) {
   while (written < 10'000 && stream->write(much.data(), 16000)) ++written;
   EXPECT_GT(written, 0);
   EXPECT_LT(written, 10'000);
-  EXPECT_EQ(stream->state(), Stream::State::kClosed);
+  EXPECT_EQ(stream->state(), bridge::Stream::State::kClosed);
   stream->open();
   ::close(server.peer);
   server.accept();
-  ASSERT_TRUE(wait_for([&] { return stream->state() == Stream::State::kOpen; }));
+  ASSERT_TRUE(wait_for([&] { return stream->state() == bridge::Stream::State::kOpen; }));
   ::close(server.peer);
   EXPECT_TRUE(wait_for([&] {
     stream->read(&byte, 1);
-    return stream->state() == Stream::State::kClosed;
+    return stream->state() == bridge::Stream::State::kClosed;
   }));
 }
 
@@ -134,16 +134,16 @@ TEST(TcpStream, ARefusedConnectionIsClosed) {
     const Server server;
     port = server.port;
   }
-  const auto stream = make_tcp_stream("127.0.0.1", port);
+  const auto stream = bridge::make_tcp_stream("127.0.0.1", port);
   stream->open();
-  EXPECT_TRUE(wait_for([&] { return stream->state() == Stream::State::kClosed; }));
-  EXPECT_THROW(make_tcp_stream("no such host.", 1), std::runtime_error);
+  EXPECT_TRUE(wait_for([&] { return stream->state() == bridge::Stream::State::kClosed; }));
+  EXPECT_THROW(bridge::make_tcp_stream("no such host.", 1), std::runtime_error);
 }
 
 TEST(Ft300, ReadsItsStreamAndConnectsAgain) {
   Server server;
   std::int64_t now_ns = 1'000'000'000;
-  Ft300 sensor(make_tcp_stream("127.0.0.1", server.port), -1, [&] { return now_ns; });
+  Ft300 sensor(bridge::make_tcp_stream("127.0.0.1", server.port), -1, [&] { return now_ns; });
   math::Wrench wrench;
   EXPECT_FALSE(sensor.take(wrench));
   server.accept();

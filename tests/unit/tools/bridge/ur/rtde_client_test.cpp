@@ -8,7 +8,7 @@ namespace palpate::ur_bridge {
 namespace {
 
 /// Bytes that a test puts; what the client sends is kept.
-class PutStream final : public Stream {
+class PutStream final : public bridge::Stream {
  public:
   void open() override { is_open = true, ++openings; }
   State state() override { return is_open ? State::kOpen : State::kClosed; }
@@ -36,7 +36,7 @@ class PutStream final : public Stream {
 struct Client {
   PutStream* stream = new PutStream;
   RtdeClient client{
-      std::unique_ptr<Stream>(stream),
+      std::unique_ptr<bridge::Stream>(stream),
       {{{"timestamp", "DOUBLE"}, {"robot_mode", "INT32"}}, {{"input_int_register_24", "INT32"}}}};
   std::int64_t now_ns = 1;
 

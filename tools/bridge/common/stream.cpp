@@ -1,7 +1,6 @@
 #include "stream.hpp"
 
 #include <netdb.h>
-#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -11,24 +10,15 @@
 #include <stdexcept>
 #include <vector>
 
-namespace palpate::ur_bridge {
+namespace palpate::bridge {
 namespace {
 
 constexpr std::size_t kMostPending = 16384;  // bytes that the peer may leave untaken
 
 class TcpStream final : public Stream {
  public:
-  TcpStream(const std::string& host, int port) : name_(host + ":" + std::to_string(port)) {
-    addrinfo hints{};
-    hints.ai_family = AF_INET;
-    hints.ai_socktype = SOCK_STREAM;
-    addrinfo* found = nullptr;
-    if (const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found); error != 0)
-      throw std::runtime_error(host + ": " + gai_strerror(error));
-    address_ = *reinterpret_cast<const sockaddr_in*>(found->ai_addr);
-    address_.sin_port = htons(static_cast<std::uint16_t>(port));
-    freeaddrinfo(found);
-  }
+  TcpStream(const std::string& host, int port)
+      : name_(host + ":" + std::to_string(port)), address_(ipv4_address(host, port)) {}
   ~TcpStream() override { TcpStream::close(); }
   TcpStream(const TcpStream&) = delete;
   TcpStream& operator=(const TcpStream&) = delete;
@@ -106,7 +96,7 @@ class TcpStream final : public Stream {
   }
 
   std::string name_;
-  sockaddr_in address_{};
+  sockaddr_in address_;
   int socket_ = -1;
   State state_ = State::kClosed;
   std::vector<std::uint8_t> pending_;
@@ -114,8 +104,21 @@ class TcpStream final : public Stream {
 
 }  // namespace
 
+sockaddr_in ipv4_address(const std::string& host, int port) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found); error != 0)
+    throw std::runtime_error(host + ": " + gai_strerror(error));
+  sockaddr_in address = *reinterpret_cast<const sockaddr_in*>(found->ai_addr);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  freeaddrinfo(found);
+  return address;
+}
+
 std::unique_ptr<Stream> make_tcp_stream(const std::string& host, int port) {
   return std::make_unique<TcpStream>(host, port);
 }
 
-}  // namespace palpate::ur_bridge
+}  // namespace palpate::bridge

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <netinet/in.h>
+
 #include <cstdint>
 #include <memory>
 #include <string>
 
-namespace palpate::ur_bridge {
+namespace palpate::bridge {
 
 /// A connection to a server that never waits. All functions return at once.
 class Stream {
@@ -26,7 +28,10 @@ class Stream {
   virtual const std::string& name() const = 0;
 };
 
+/// Throws std::runtime_error if `host`, a name or an address, has none.
+sockaddr_in ipv4_address(const std::string& host, int port);
+
 /// By TCP, without delay. Throws std::runtime_error if `host` has no address.
 std::unique_ptr<Stream> make_tcp_stream(const std::string& host, int port);
 
-}  // namespace palpate::ur_bridge
+}  // namespace palpate::bridge
