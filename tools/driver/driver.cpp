@@ -72,7 +72,8 @@ void Driver::cycle(std::int64_t now_ns, std::int64_t utime) {
 }
 
 void run(Driver& driver, bus::MessageBus& control, const volatile std::sig_atomic_t& ended,
-         const std::function<void(std::int64_t utime)>& also) {
+         const std::function<void(std::int64_t utime)>& also,
+         const std::function<void(std::int64_t until_ns)>& wait) {
   using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as times of arrival
   const auto period =
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(Driver::kPeriod));
@@ -85,7 +86,12 @@ void run(Driver& driver, bus::MessageBus& control, const volatile std::sig_atomi
     if (also) also(utime);
     next += period;
     if (next < Clock::now()) next = Clock::now();  // late: missed cycles are not made up
-    std::this_thread::sleep_until(next);
+    if (!wait) {
+      std::this_thread::sleep_until(next);
+      continue;
+    }
+    wait(next.time_since_epoch() / std::chrono::nanoseconds(1));
+    next = Clock::now();
   }
   driver.stop();
   const Counts counts = driver.counts();

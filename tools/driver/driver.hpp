@@ -68,8 +68,11 @@ class Driver {
 };
 
 /// Cycles by the clock until `ended` is not 0, then stops the arm and prints the counts. Starts the
-/// bus. `also`, if any, is called in every cycle with the wall clock, us.
+/// bus. `also`, if any, is called in every cycle with the wall clock, us. `wait`, if any, waits for
+/// the next cycle, due at the given CLOCK_MONOTONIC, ns, and may return earlier or later: for an
+/// arm that wants each state answered at once.
 void run(Driver& driver, bus::MessageBus& control, const volatile std::sig_atomic_t& ended,
-         const std::function<void(std::int64_t utime)>& also = {});
+         const std::function<void(std::int64_t utime)>& also = {},
+         const std::function<void(std::int64_t until_ns)>& wait = {});
 
 }  // namespace palpate::driver

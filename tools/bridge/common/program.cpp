@@ -49,8 +49,9 @@ BridgedArm::Options machine_options(double stale) {
 }
 
 void run(driver::Driver& cell, bus::MessageBus& control, const BridgedArm& arm,
-         const std::function<void(std::int64_t utime)>& also) {
-  driver::run(cell, control, ended, also);
+         const std::function<void(std::int64_t utime)>& also,
+         const std::function<void(std::int64_t until_ns)>& wait) {
+  driver::run(cell, control, ended, also, wait);
   const BridgedArm::Counts& counts = arm.counts();
   std::printf("%lld states, %lld rejected, %lld absences of the arm's driver, %lld commands\n",
               static_cast<long long>(counts.statuses), static_cast<long long>(counts.rejected),

@@ -24,6 +24,7 @@ BridgedArm::Options machine_options(double stale);
 
 /// Runs until a signal, then prints what has been counted. See driver::run.
 void run(driver::Driver& cell, bus::MessageBus& control, const BridgedArm& arm,
-         const std::function<void(std::int64_t utime)>& also = {});
+         const std::function<void(std::int64_t utime)>& also = {},
+         const std::function<void(std::int64_t until_ns)>& wait = {});
 
 }  // namespace palpate::bridge
