@@ -43,7 +43,7 @@ NOT_RUN = {
 }
 # Programs that keep running, and their output when ready.
 READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-drake": "waits for",
-         "palpate-ur": "waits for", "tools/lab/worlds/ur_arm": "ready", "palpate-see": "clouds"}
+         "palpate-ur": "waits for", "palpate-franka": "waits for", "tools/lab/worlds/ur_arm": "ready", "palpate-see": "clouds"}
 
 
 class Workspace:
@@ -80,7 +80,7 @@ class Workspace:
                 more += " --set loop.degraded_after_ms=9000 --set loop.overrun_window_ms=10000"
                 more += " --set loop.safe_stop_after_ms=10000"
             return more
-        if program == "palpate-ur":
+        if program in ("palpate-ur", "palpate-franka"):
             return f" --set bus.control={control}"
         if program == "palpate-command" and "--make-key" not in line:
             return f" --url {control} --url housekeeping={housekeeping} --timeout 60"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tools/bridge/common/franka_modes.hpp"
+
 namespace palpate::drake_bridge {
 namespace {
 
@@ -38,18 +40,8 @@ Status panda_status(int joints) {
 
 /// `names_mode`: the driver says how it is controlled, which simulations do not.
 const char* halt_of(int robot_mode, bool names_mode, bool takes_velocities) {
-  switch (robot_mode) {
-    case 3:
-      return "the arm is guided by hand";
-    case 4:
-      return "reflex of the arm";
-    case 5:
-      return "user stop of the arm";
-    case 6:
-      return "the arm recovers from an error";
-    default:
-      return names_mode && !takes_velocities ? "the arm's driver is not in velocity mode" : nullptr;
-  }
+  if (const char* const halted = bridge::halt_of_franka(robot_mode)) return halted;
+  return names_mode && !takes_velocities ? "the arm's driver is not in velocity mode" : nullptr;
 }
 
 template <class Status>
