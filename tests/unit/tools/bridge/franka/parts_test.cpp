@@ -93,7 +93,7 @@ TEST(UdpDatagrams, TakesThoseOfItsHostAndAnswersThem) {
   };
   std::array<std::uint8_t, 4> bytes{};
   EXPECT_EQ(datagrams->receive(bytes.data(), 4), -1) << "does not wait";
-  datagrams->send(bytes.data(), 4);  // nobody is there yet
+  datagrams->send(bytes.data(), 4);  // no peer yet
   ASSERT_EQ(send(stranger, "zz", 2), 2);
   ASSERT_EQ(send(peer, "abcdefg", 7), 7);
   datagrams->wait(std::numeric_limits<std::int64_t>::max() / 2);
