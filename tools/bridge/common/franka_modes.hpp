@@ -2,8 +2,8 @@
 
 namespace palpate::bridge {
 
-/// Why a Franka arm in this mode, as libfranka numbers them, does not obey; nullptr: it does, or the
-/// mode does not say.
+/// Why a Franka arm in this mode, as libfranka numbers them, does not obey; nullptr: it does, or
+/// the mode does not say.
 inline const char* halt_of_franka(int robot_mode) noexcept {
   switch (robot_mode) {
     case 3:

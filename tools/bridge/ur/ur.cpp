@@ -71,7 +71,8 @@ std::vector<Variable> Ur::inputs(const Options& options) {
   return inputs;
 }
 
-Ur::Ur(std::unique_ptr<bridge::Stream> rtde, std::unique_ptr<bridge::Stream> scripts, Options options)
+Ur::Ur(std::unique_ptr<bridge::Stream> rtde, std::unique_ptr<bridge::Stream> scripts,
+       Options options)
     : options_(std::move(options)),
       rtde_(std::move(rtde),
             {outputs(options_), inputs(options_), options_.rate,

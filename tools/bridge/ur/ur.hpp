@@ -37,7 +37,8 @@ class Ur final : public bridge::Protocol, public bridge::WrenchInput {
   };
 
   /// Throws std::invalid_argument for a script that cannot be filled in.
-  Ur(std::unique_ptr<bridge::Stream> rtde, std::unique_ptr<bridge::Stream> scripts, Options options);
+  Ur(std::unique_ptr<bridge::Stream> rtde, std::unique_ptr<bridge::Stream> scripts,
+     Options options);
 
   void receive() override;
   bool take(bridge::Reading& reading) override;
