@@ -2,6 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+
+#include "core/math/constants.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -12,6 +15,10 @@ using Eigen::Vector3d;
 // The larger eigenvalue of a point's tangential block lies between half its trace and its trace; a
 // projection with this share of the trace converges for all of them.
 constexpr double kTangentialShare = 0.6;
+// Friction times coupling above which projections in turn converge slowly, or, above 1, not at all.
+constexpr double kStrongCoupling = 0.8;
+constexpr int kDirections = 16;   // in which the direction of slip is sought
+constexpr int kRefinements = 12;  // of a direction: to rounding
 
 }  // namespace
 
@@ -51,6 +58,8 @@ void ConeProblem::gather(const ComplianceColumns& table,
     Block& block = blocks_[k];
     block.normal = points[k].normal.dot(block.own * points[k].normal);
     block.tangential = kTangentialShare * std::max(block.own.trace() - block.normal, 0.0);
+    const Vector3d motion = block.own * points[k].normal;
+    block.coupling = (motion - block.normal * points[k].normal).norm() / block.normal;
   }
 }
 
@@ -70,6 +79,60 @@ Vector3d ConeProblem::slide(const ConePoint& point, const Block& block, Vector3d
   return r_n * n + r_t;
 }
 
+/// The same, by the direction u of slip: with force r_n (n - friction u) and no gap, the slip is
+/// along u. `force` is unchanged, and false returned, if no direction is found.
+bool ConeProblem::slide_exactly(const ConePoint& point, const Block& block, const Vector3d& error,
+                                Vector3d& force) noexcept {
+  const Vector3d& n = point.normal;
+  const Vector3d alone = error - block.own * point.force;  // gap and slip without this force
+  const double closing = -n.dot(alone);
+  if (closing <= 0) {
+    force.setZero();
+    return true;
+  }
+  const Vector3d t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+  const Vector3d by_normal = block.own * n;
+  struct Slip {
+    Vector3d u;
+    double share;          // m/N, gap by a normal force with its friction
+    double across, along;  // m^2/N, slip times share, across u and along it
+  };
+  const auto slip = [&](double angle) {
+    Slip s;
+    s.u = std::cos(angle) * t1 + std::sin(angle) * t2;
+    const Vector3d by_force = by_normal - point.friction * (block.own * s.u);
+    s.share = n.dot(by_force);
+    const Vector3d way = s.share * alone + closing * by_force;
+    s.across = n.cross(s.u).dot(way);
+    s.along = s.u.dot(way);
+    return s;
+  };
+  const auto accept = [&](const Slip& s) {
+    if (!(s.share > 0 && s.along >= 0)) return false;
+    force = closing / s.share * (n - point.friction * s.u);
+    return true;
+  };
+  // From the last direction on: of several solutions the nearest.
+  const double begin = std::atan2(-point.force.dot(t2), -point.force.dot(t1));
+  constexpr double kStep = 2 * math::kPi / kDirections;
+  for (int i = 0; i < kDirections; ++i) {
+    const int away = (i + 1) / 2;
+    double from = begin + kStep * (i % 2 == 0 ? away : -away) - 0.5 * kStep, to = from + kStep;
+    Slip a = slip(from), b = slip(to);
+    if (!(a.across > 0) == !(b.across > 0)) continue;
+    for (int k = 0; k < kRefinements && a.across != 0; ++k) {
+      const double at =
+          k % 3 == 2 ? 0.5 * (from + to) : from + (to - from) * a.across / (a.across - b.across);
+      const Slip next = slip(at);
+      const bool is_behind = !(next.across > 0) == !(a.across > 0);
+      (is_behind ? from : to) = at;
+      (is_behind ? a : b) = next;
+    }
+    if (accept(std::abs(a.across) < std::abs(b.across) ? a : b)) return true;
+  }
+  return false;
+}
+
 /// Solves the law of one point; returns the displacement that it causes there, m.
 double ConeProblem::relax(int k, ConePoint& point) noexcept {
   const Vector3d& n = point.normal;
@@ -79,7 +142,9 @@ double ConeProblem::relax(int k, ConePoint& point) noexcept {
   Vector3d next = point.force - block.inverse * error;
   const double r_n = n.dot(next), most = point.friction * r_n;
   if (!(r_n > 0 && (next - r_n * n).squaredNorm() <= most * most)) {
-    next = slide(point, block, error);
+    if (!(point.friction * block.coupling > kStrongCoupling) ||
+        !slide_exactly(point, block, error, next))
+      next = slide(point, block, error);
   }
   const Vector3d change = next - point.force;
   if (change.isZero(0)) return 0;

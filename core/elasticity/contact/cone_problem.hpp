@@ -29,10 +29,12 @@ struct ConeOptions {
 ///   e_t / |e_t|.
 /// Solved by block projected Gauss-Seidel (Jourdan, Alart and Jean 1998; Duriez et al. 2006): a
 /// point that can stick takes the exact solution of its block, others project normal and tangential
-/// force in turn. Sweeps run to and fro, so that the order of the points matters less, and are
-/// combined as conjugate gradients (Silcowitz-Hansen, Niebe and Erleben 2010). Because compliances
-/// weight errors of force by the displacement that they cause, displacements converge much faster
-/// than the distribution of forces. Nothing allocates after construction.
+/// force in turn, or, where friction times the coupling between these is too large for that, take
+/// the exact solution as well (slip direction, Bonnefon and Daviet 2011). Sweeps run to and fro, so
+/// that the order of the points matters less, and are combined as conjugate gradients
+/// (Silcowitz-Hansen, Niebe and Erleben 2010). Because compliances weight errors of force by the
+/// displacement that they cause, displacements converge much faster than the distribution of
+/// forces. Nothing allocates after construction.
 class ConeProblem {
  public:
   /// `most`: largest number of points.
@@ -51,12 +53,15 @@ class ConeProblem {
   struct Block {
     Eigen::Matrix3d own, inverse;
     double normal, tangential;  // m/N, along the normal; bound across it
+    double coupling;            // motion across the normal over that along it, by a normal force
   };
   void gather(const ComplianceColumns& table, const std::vector<ConePoint>& points) noexcept;
   double sweep(std::vector<ConePoint>& points, bool forward) noexcept;
   double relax(int k, ConePoint& point) noexcept;
   static Eigen::Vector3d slide(const ConePoint& point, const Block& block,
                                Eigen::Vector3d error) noexcept;
+  static bool slide_exactly(const ConePoint& point, const Block& block,
+                            const Eigen::Vector3d& error, Eigen::Vector3d& force) noexcept;
 
   int size_ = 0;                  // three per point
   Eigen::MatrixXf compliance_;    // among the points

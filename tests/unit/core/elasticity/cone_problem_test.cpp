@@ -106,6 +106,40 @@ TEST_P(Friction, TheLawsOfSignoriniAndCoulombHoldAtEveryPoint) {
 
 INSTANTIATE_TEST_SUITE_P(Coefficients, Friction, ::testing::Values(0.0, 0.3, 1.2));
 
+/// A single point whose normal force moves it sideways, which projections in turn do not solve.
+TEST(ConeProblem, MuchFrictionAndCouplingAreSolvedExactly) {
+  int sticking = 0, slipping = 0;
+  for (int seed = 1; seed <= 300; ++seed) {
+    const Springs springs(1, seed);
+    math::Random random(1000 + seed);
+    const double mu = std::exp(random.uniform(std::log(1.0), std::log(50.0)));
+    std::vector<ConePoint> points = random_points(1, mu, random);
+    ConePoint& point = points[0];
+    if (point.normal.dot(point.offset) > 0) point.offset = -point.offset;
+    ConeProblem problem(1);
+    EXPECT_LT(problem.solve(springs.table, {200, 1e-9}, points), 200) << seed;
+    const Vector3d e = errors(springs, points)[0];
+    const double r_n = point.normal.dot(point.force), e_n = point.normal.dot(e);
+    const Vector3d r_t = point.force - r_n * point.normal, e_t = e - e_n * point.normal;
+    // compliances are of single precision, and near jamming forces are large
+    const double rounding = 2e-8 + 1e-6 * (springs.compliance * point.force).norm();
+    ASSERT_GT(r_n, 0);
+    EXPECT_NEAR(e_n, 0, rounding);
+    EXPECT_LE(r_t.norm(), mu * r_n * (1 + 1e-9));
+    if (r_t.norm() < mu * r_n * (1 - 1e-6)) {
+      ++sticking;
+      EXPECT_LT(e_t.norm(), rounding) << seed;
+    } else {
+      ++slipping;
+      EXPECT_LT((e_t.norm() * r_t + mu * r_n * e_t).norm(),
+                (1e-4 * e_t.norm() + rounding) * mu * r_n)
+          << seed;
+    }
+  }
+  EXPECT_GT(sticking, 50);
+  EXPECT_GT(slipping, 20);
+}
+
 TEST(ConeProblem, AWarmStartAtTheSolutionChangesNothing) {
   const Springs springs(8, 3);
   math::Random random(4);
