@@ -50,8 +50,7 @@ bool locate(const sensing::Contact& contact, const ArmMeasurements& first,
 
 math::Wrench ArmFrames::wrench_in_object(const math::Wrench& F_S,
                                          const Eigen::Matrix3d& R_OG) const noexcept {
-  const math::Pose X_GS = X_EG.inverse() * X_ES;
-  return rotated(R_OG, math::transform(X_GS, F_S));
+  return rotated(R_OG, math::transform(X_GS(), F_S));
 }
 
 math::Twist ArmFrames::flange_twist(const math::Twist& V_O_G,
@@ -67,6 +66,17 @@ math::Twist ArmFrames::grasp_twist(const math::Twist& V_W_E,
   const Eigen::Vector3d p_E_G_W = R_WE * X_EG.translation();
   const Eigen::Matrix3d R_OW = X_WO.linear().transpose();
   return {R_OW * (V_W_E.linear + V_W_E.angular.cross(p_E_G_W)), R_OW * V_W_E.angular};
+}
+
+math::Vector6d transformed_deviation(const math::Pose& X_AB, double force, double torque) noexcept {
+  const Eigen::Vector3d p = X_AB.translation();
+  math::Vector6d deviation;
+  deviation.head<3>().setConstant(force);
+  // of torque + p x force: the lever of each axis is the distance of B's origin from it
+  for (int axis = 0; axis < 3; ++axis)
+    deviation[3 + axis] =
+        std::sqrt(torque * torque + force * force * (p.squaredNorm() - p[axis] * p[axis]));
+  return deviation;
 }
 
 math::Wrench rotated(const Eigen::Matrix3d& R_AB, const math::Wrench& F_B) noexcept {

@@ -25,6 +25,8 @@ struct ArmFrames {
   math::Pose X_OE(const math::Pose& X_WE) const noexcept { return X_WO.inverse() * X_WE; }
   math::Pose X_OG(const math::Pose& X_WE) const noexcept { return X_OE(X_WE) * X_EG; }
 
+  math::Pose X_GS() const noexcept { return X_EG.inverse() * X_ES; }
+
   /// Wrench about the origin of G, in O, from the same wrench about the origin of S, in S. `R_OG`:
   /// rotation of X_OG().
   math::Wrench wrench_in_object(const math::Wrench& F_S,
@@ -35,6 +37,10 @@ struct ArmFrames {
   /// Velocity of the grasp in O from that of the flange in W; inverse of flange_twist().
   math::Twist grasp_twist(const math::Twist& V_W_E, const Eigen::Matrix3d& R_WE) const noexcept;
 };
+
+/// Standard deviations of a wrench about the origin of A, in A, whose deviations about the origin
+/// of B are `force`, N, and `torque`, N m, on each axis, all independent.
+math::Vector6d transformed_deviation(const math::Pose& X_AB, double force, double torque) noexcept;
 
 /// The same wrench in the axes of A instead of B, about the same point.
 math::Wrench rotated(const Eigen::Matrix3d& R_AB, const math::Wrench& F_B) noexcept;

@@ -236,6 +236,7 @@ UpdateResult FtNewtonEuler::update(const Signals& signals, ContactSet& contacts)
   contact.source = options_.source;
   contact.wrench = math::Wrench::from(low_pass_.value() - tare_.offset());
   contact.force_deviation = options_.force_deviation;
+  contact.torque_deviation = options_.torque_deviation;
   if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
   // gravity remains compensated, but not the inertial forces
   const Stream<Inertial>& inertial = signals.inertial;

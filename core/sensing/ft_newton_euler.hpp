@@ -79,7 +79,8 @@ class FtNewtonEuler : public TaredModel<6, SensorState::Offset::kWithoutPayload>
     // s; with older inertial data only gravity is compensated: degraded. Covers a gap of 20 ms
     // without messages, one period of 300 Hz and jitter.
     double imu_max_age = 0.027;
-    double force_deviation = 0.1;  // N, standard deviation of each axis of the output
+    double force_deviation = 0.1;    // N, standard deviation of each axis of the output
+    double torque_deviation = 0.01;  // N m, likewise of the torque about the origin of S
     Source source = Source::kWrist0;
   };
 

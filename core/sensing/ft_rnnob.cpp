@@ -251,6 +251,7 @@ UpdateResult FtRnnob::update(const Signals& signals, ContactSet& contacts) noexc
   contact.source = options_.source;
   contact.wrench = math::Wrench::from(rest_ - tare_.offset());
   contact.force_deviation = options_.force_deviation;
+  contact.torque_deviation = options_.torque_deviation;
   if (!contact.wrench.vector().allFinite())
     return {Status::kDegraded, "the contact wrench is not finite"};
   if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};

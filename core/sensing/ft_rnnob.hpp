@@ -69,9 +69,10 @@ class FtRnnob : public TaredModel<6, SensorState::Offset::kWithoutPayload> {
     math::Pose X_EI = math::Pose::Identity();  // pose of the IMU in the flange
     int tare_samples = 50;                     // number of network steps
     bool tare_at_start = false;
-    double polarity = 1;           // -1 for a sensor that reports the wrench of the load on it
-    double max_age = 0.025;        // s, maximum age of every stream
-    double force_deviation = 0.1;  // N, standard deviation of each axis of the output
+    double polarity = 1;             // -1 for a sensor that reports the wrench of the load on it
+    double max_age = 0.025;          // s, maximum age of every stream
+    double force_deviation = 0.1;    // N, standard deviation of each axis of the output
+    double torque_deviation = 0.01;  // N m, likewise of the torque about the origin of S
     Source source = Source::kWrist0;
   };
 

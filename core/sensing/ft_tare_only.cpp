@@ -46,6 +46,7 @@ UpdateResult FtTareOnly::update(const Signals& signals, ContactSet& contacts) no
   contact.source = options_.source;
   contact.wrench = math::Wrench::from(average_.value() - tare_.offset());
   contact.force_deviation = options_.force_deviation;
+  contact.torque_deviation = options_.torque_deviation;
   if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
   return {};
 }

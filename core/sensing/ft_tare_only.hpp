@@ -16,9 +16,10 @@ class FtTareOnly : public TaredModel<6, SensorState::Offset::kReading> {
     int moving_average = 1;     // samples; 1: none (thesis software of 2018: 50 for control)
     /// samples, for alignment with a slower signal (thesis software of 2018: 6 for control)
     int delay = 0;
-    double polarity = 1;           // -1 for a sensor that reports the wrench of the load on it
-    double max_age = 0.025;        // s, maximum age of the latest reading
-    double force_deviation = 0.1;  // N, standard deviation of each axis of the output
+    double polarity = 1;             // -1 for a sensor that reports the wrench of the load on it
+    double max_age = 0.025;          // s, maximum age of the latest reading
+    double force_deviation = 0.1;    // N, standard deviation of each axis of the output
+    double torque_deviation = 0.01;  // N m, likewise of the torque about the origin of S
     Source source = Source::kWrist0;
   };
 

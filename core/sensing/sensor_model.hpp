@@ -29,6 +29,8 @@ struct Contact {
   Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m
   math::Wrench wrench;                                 // wrench on the object, about `location`
   double force_deviation = 0;                          // N, standard deviation of each axis
+  /// N m, likewise of the torque about `location`; 0: not known.
+  double torque_deviation = 0;
 };
 
 /// Up to eight contacts without allocation.

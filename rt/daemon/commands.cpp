@@ -58,8 +58,8 @@ void Commands::handle_command(pipeline::Pipeline& pipeline, Replacing& replacing
   const char* reason = "";
   switch (event) {
     case Event::kStart:
-      pipeline.start();
-      if (!pipeline.is_running()) done = "refused", reason = "faulted: reset first";
+      reason = pipeline.start();
+      if (*reason != '\0') done = "refused";
       break;
     case Event::kStop:
       pipeline.stop();

@@ -92,7 +92,7 @@ void Daemon::tick(const Now& now) noexcept {
   mark(Phase::kSensing);
   pipeline_.distribute();
   mark(Phase::kContact);
-  refactoring_.service(pipeline_.model(), counters_.cycles);
+  if (pipeline_.has_object()) refactoring_.service(pipeline_.model(), counters_.cycles);
   pipeline_.estimate(dt);
   mark(Phase::kEstimation);
   pipeline_.evaluate_feature();

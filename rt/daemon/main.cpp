@@ -257,7 +257,9 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   thread.join();
 }
 
-std::string extent_of(const palpate::registry::Object& object) {
+std::string extent_of(const palpate::pipeline::Pipeline& pipeline) {
+  if (!pipeline.has_object()) return "senses only, no object";
+  const palpate::registry::Object& object = pipeline.object();
   return fmt::format("{} nodes, {} elements, {} grasped, {} fixed", object.body.mesh.node_count(),
                      object.body.mesh.element_count(),
                      object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
@@ -270,8 +272,7 @@ int check(const Options& options) {
   const auto bus = palpate::bus::make_memory_bus(palpate::bus::make_memory_hub());
   const Daemon daemon(root, *bus, *bus, Mode::kDeterministic, 1);
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
-  spdlog::info("{}: valid configuration; {}", options.configuration,
-               extent_of(daemon.pipeline().object()));
+  spdlog::info("{}: valid configuration; {}", options.configuration, extent_of(daemon.pipeline()));
   return 0;
 }
 
@@ -290,15 +291,16 @@ int run(const Options& options, const sigset_t& signals) {
   palpate::daemon::SteppedClock clock(*control, session);
   control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
   if (!options.stepped) {
-    // queue for contacts, estimate and feature of a hundred cycles, and half a second of shapes
-    control->start_publisher(300, 4096);
+    // queue for wrenches, contacts, estimate and feature of a hundred cycles, and half a second of
+    // shapes
+    control->start_publisher(500, 4096);
     housekeeping->start_publisher(64, bus::kLargestShortMessage);
   }
   // the housekeeping bus is not read
   options.stepped ? control->start_without_thread() : control->start();
 
-  spdlog::info("palpated {}: {}; inactive, waits for start", PALPATE_VERSION,
-               extent_of(daemon.pipeline().object()));
+  spdlog::info("palpated {}: {}; inactive{}", PALPATE_VERSION, extent_of(daemon.pipeline()),
+               daemon.pipeline().has_object() ? ", waits for start" : "");
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
   const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
   const bool has_plugins = root.has("plugins");

@@ -96,12 +96,14 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
       feature_stamp_(session),
       shape_stamp_(session),
       mesh_stamp_(session),
+      wrenches_(control, pipeline.arm_count(), session),
       contacts_(control, session),
       unknown_(control, channel::kUnknownContact, bus::Urgency::kLater),
       estimate_(control, channel::kEstimate, bus::Urgency::kLater),
       feature_(control, channel::kFeature, bus::Urgency::kLater),
-      discrepancy_(control, session),
-      mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
+      discrepancy_(control, session) {
+  if (!pipeline.has_object()) return;
+  mesh_ = std::make_unique<MeshTelemetry>(housekeeping, pipeline.object());
   for (int arm = 0; arm < pipeline.arm_count(); ++arm)
     commands_.emplace_back(control, kCommandChannels[arm], session, access);
   if (const int count = pipeline.joint_count()) {
@@ -114,11 +116,13 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
 }
 
 void Telemetry::take(const pipeline::Pipeline& pipeline) noexcept {
+  if (!pipeline.has_object()) return;
   bus::put_text(feature_message_.kind, pipeline.feature().kind());
 }
 
 void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool valid,
                                 std::int64_t utime) noexcept {
+  if (commands_.empty()) return;
   if (arm == 0 && joints_ != nullptr)
     publishes_joints_ = gate.joint_velocity.size() > 0 || (publishes_joints_ && !valid);
   if (arm == 0 && publishes_joints_) {
@@ -145,6 +149,8 @@ void Telemetry::publish_unknown_contact(const estimation::UnknownContact& contac
 }
 
 void Telemetry::publish_state(const pipeline::Pipeline& pipeline, std::int64_t utime) noexcept {
+  wrenches_.publish(pipeline, utime);
+  if (!pipeline.has_object()) return;
   contacts_.publish(pipeline, utime);
 
   const estimation::Estimate& estimate = pipeline.estimate();

@@ -15,6 +15,7 @@
 #include "rt/bus/shape_chunks.hpp"
 #include "rt/daemon/contact_telemetry.hpp"
 #include "rt/daemon/discrepancy_telemetry.hpp"
+#include "rt/daemon/wrench_telemetry.hpp"
 #include "rt/pipeline/pipeline.hpp"
 #include "rt/registry/object.hpp"
 
@@ -40,8 +41,9 @@ class MeshTelemetry {
   bus::MeshPublisher mesh_;
 };
 
-/// Publishes the daemon's messages on shape and control. Buffers are sized by the constructor;
-/// nothing allocates afterwards.
+/// Publishes the daemon's messages on shape and control; of a pipeline without an object only the
+/// compensated wrenches, and no commands. Buffers are sized by the constructor; nothing allocates
+/// afterwards.
 class Telemetry {
  public:
   Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
@@ -62,7 +64,7 @@ class Telemetry {
   void publish_mesh_chunk(std::int64_t utime) noexcept {
     mesh_->publish_mesh_chunk(mesh_stamp_, utime);
   }
-  int mesh_chunks() const noexcept { return mesh_->mesh_chunks(); }
+  int mesh_chunks() const noexcept { return mesh_ ? mesh_->mesh_chunks() : 0; }
 
   /// Call after components of the pipeline have been replaced; with the messages of its new mesh,
   /// which are exchanged for those of the old one.
@@ -96,6 +98,7 @@ class Telemetry {
   std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, if modelled
   bool publishes_joints_ = false;
   bus::HeaderStamper unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_, mesh_stamp_;
+  WrenchTelemetry wrenches_;
   ContactTelemetry contacts_;
   bus::TypedPublisher<unknown_contact_t> unknown_;
   bus::TypedPublisher<estimate_t> estimate_;

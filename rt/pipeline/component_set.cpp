@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "rt/plugin/plugin.hpp"
 #include "rt/registry/fallbacks.hpp"
 
 namespace palpate::pipeline {
@@ -30,8 +31,16 @@ std::array<bool, 8> read_sources(const config::Node& node) {
 
 }  // namespace
 
+bool senses_only(const config::Node& root) {
+  constexpr const char* kOfObject[] = {"object",      "obstacles", "contact", "estimation",
+                                       "deformation", "feature",   "control"};
+  const auto has = [&root](const char* key) { return root.has(key); };
+  return std::none_of(std::begin(kOfObject), std::end(kOfObject), has) && root.has("sensing");
+}
+
 Changes Changes::all(const config::Node& root) {
-  Changes changes{true, true, true, true, {}};
+  const bool rest = !senses_only(root);
+  Changes changes{rest, rest, rest, rest, {}};
   changes.sensing.assign(root.list({"sensing", "", "sensor models, at most 16"}).size(), true);
   return changes;
 }
@@ -57,6 +66,7 @@ void ComponentSet::build(const config::Node& root, const Changes& changes) {
   if (changes.object)
     object = std::make_shared<registry::Object>(
         registry::read_object(root, context.frames, context.remarks));
+  if (!object) object = std::make_shared<registry::Object>();
   context.object = object.get();
   build_sensing(root, changes);
   if (changes.contact) build_contact(root);
@@ -112,6 +122,8 @@ void ComponentSet::build_sensing(const config::Node& root, const Changes& change
         {"name", "", "of the instance, in events and for replacement; by default the component"},
         instance.component);
     instance.arm = registry::read_arm(node, context);
+    instance.is_wrist =
+        registry::sensor_kind(instance.component, context) == plugin::SensorKind::kWrist;
     if (changes.sensing[index++]) {
       make_model(node, instance);
       list_running_models(instance);
@@ -275,6 +287,7 @@ void ComponentSet::reset() noexcept {
     if (instance.fallback != nullptr) instance.fallback->reset();
     instance.fallback_reported = false;
   }
+  if (!model) return;
   estimator->reset();
   model->reset();
   jump.forget();
@@ -288,6 +301,10 @@ void ComponentSet::reset() noexcept {
 bool ComponentSet::set_target(int revision, const char* kind, const double (*rest_points)[3],
                               int point_count, const double* values, int value_count,
                               const char*& reason) noexcept {
+  if (!feature) {
+    reason = "there is no object to have a feature";
+    return false;
+  }
   if (std::strcmp(kind, feature->kind()) != 0) {
     reason = "target is for another kind of feature";
     return false;

@@ -51,12 +51,18 @@ struct Changes {
   bool mechanics = false;     // estimation and deformation
   bool steering = false;      // feature and control
   std::vector<bool> sensing;  // by instance
+  /// Of a configuration without an object only the sensor models.
   static Changes all(const config::Node& root);
   bool any() const noexcept;
 };
 
+/// Whether the configuration has sensor models and nothing of an object: the daemon then senses,
+/// and neither estimates nor commands anything.
+bool senses_only(const config::Node& root);
+
 /// Components in the six slots, the object to which they refer, and their workspace. Sensing and
-/// contact contain lists, the other slots one component each.
+/// contact contain lists, the other slots one component each. Without an object (senses_only) there
+/// are sensor models only, and `object` is empty.
 struct ComponentSet {
   static constexpr std::size_t kMostSensors = 16;
   struct Sensing {
@@ -67,6 +73,8 @@ struct ComponentSet {
     registry::SensorFallback* fallback = nullptr;  // the model, if it has a fallback
     Condition condition{LifeCycle::kInactive, ""};
     bool fallback_reported = false;  // use of the fallback has been reported
+    bool is_wrist = false;           // measures the wrist of its arm
+    UpdateResult result;             // of the last update, also while the daemon is inactive
   };
   struct Contact {
     std::string name;

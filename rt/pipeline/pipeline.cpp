@@ -26,6 +26,7 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
       contacts_.count = first;
       result = {Status::kDegraded, "a contact is not finite or beyond what can be"};
     }
+    instance.result = result;
     instance.condition.apply(result);
     if (instance.fallback != nullptr && instance.fallback->in_use() &&
         !std::exchange(instance.fallback_reported, true))
@@ -38,6 +39,18 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
   }
   frames::to_object_frame(contacts_, arms_.front().measurements(), arms_.back().measurements(),
                           contacts_O_);
+}
+
+std::optional<WristReport> Pipeline::wrist(int arm) const noexcept {
+  const ComponentSet::Sensing* sensor = nullptr;
+  for (const ComponentSet::Sensing& instance : components_->sensing)
+    if (instance.is_wrist && instance.arm == arm) sensor = &instance;
+  if (sensor == nullptr) return {};
+  WristReport report{sensor->result, nullptr, arms_[arm].signals->force_torque};
+  for (int i = 0; i < contacts_.count; ++i)
+    if (sensing::is_wrist(contacts_.contacts[i].source, arm))
+      report.contact = &contacts_.contacts[i];
+  return report;
 }
 
 void Pipeline::find_joints(Arm& arm) noexcept {
@@ -53,6 +66,7 @@ void Pipeline::find_joints(Arm& arm) noexcept {
 }
 
 void Pipeline::distribute() noexcept {
+  if (!has_object()) return;
   for (int i = 0; i < contacts_O_.count; ++i) {
     contact::ContactLoads& loads = components_->loads[i];
     const sensing::Contact& contact = contacts_O_.contacts[i];

@@ -15,6 +15,13 @@
 
 namespace palpate::pipeline {
 
+/// What the sensor model of a wrist has made of its reading in this tick.
+struct WristReport {
+  UpdateResult result;
+  const sensing::Contact* contact = nullptr;  // in S; nullptr: no wrench
+  const sensing::Stream<sensing::ForceTorque>& readings;
+};
+
 /// Phases of a tick over the components in the six slots, for one or two arms with their gates.
 /// Everything is built and configured by the constructor; the phases neither allocate, lock, log
 /// nor throw.
@@ -35,7 +42,8 @@ class Pipeline {
   ComponentSet& components_at_setup() noexcept { return *components_; }
 
   // Life-cycle events; safe in the loop.
-  void start() noexcept;
+  /// "" or why it is refused.
+  const char* start() noexcept;
   void stop(const char* reason = "stopped") noexcept;
   void reset() noexcept;                    // rest shape, faults cleared, inactive
   void zero() noexcept;                     // tares every sensor model
@@ -105,6 +113,9 @@ class Pipeline {
   const char* discrepancy_reason() const noexcept { return trust_.reason(); }
   bool is_running() const noexcept;
 
+  /// Without an object, sense() is the only phase that does anything: there is no model, estimate
+  /// or feature, and the object is empty.
+  bool has_object() const noexcept { return components_->model != nullptr; }
   const registry::Object& object() const noexcept { return *components_->object; }
   const std::vector<RunningModel>& running_models() const noexcept {
     return components_->running_models;
@@ -134,6 +145,8 @@ class Pipeline {
   const ObstacleMotion& obstacles() const noexcept { return *obstacles_; }
   /// Contacts in O, for display and estimation.
   const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
+  /// After sense(). Empty without a sensor model of that arm's wrist; of several, the last one's.
+  std::optional<WristReport> wrist(int arm) const noexcept;
 
  private:
   struct Arm {

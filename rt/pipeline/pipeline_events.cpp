@@ -5,6 +5,11 @@
 #include "rt/plugin/plugins.hpp"
 
 namespace palpate::pipeline {
+namespace {
+
+constexpr const char* kNoObject = "the configuration has no object: only senses";
+
+}  // namespace
 
 Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) {
   build_arms(root);
@@ -19,7 +24,7 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   components_->warm_up();
   fallbacks_ = std::make_unique<Fallbacks>(root, *components_, room_for_shape());
   remarks_.insert(remarks_.end(), root.warnings().begin(), root.warnings().end());
-  whole_ = {LifeCycle::kInactive, "waits for start"};
+  whole_ = {LifeCycle::kInactive, has_object() ? "waits for start" : kNoObject};
 }
 
 Pipeline::~Pipeline() = default;
@@ -46,13 +51,15 @@ std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
   return model;
 }
 
-void Pipeline::start() noexcept {
-  if (whole_.state != LifeCycle::kInactive) return;
+const char* Pipeline::start() noexcept {
+  if (!has_object()) return kNoObject;
+  if (whole_.state != LifeCycle::kInactive) return is_running() ? "" : "faulted: reset first";
   whole_ = {LifeCycle::kActive, ""};
   obstacle_condition_ = jaw_condition_ = {LifeCycle::kActive, ""};
   for (Arm& arm : arms_) arm.gate.forget_overload();
   trust_.reset();
   components_->start();
+  return "";
 }
 
 void Pipeline::stop(const char* reason) noexcept {
@@ -65,7 +72,7 @@ void Pipeline::reset() noexcept {
     if (std::exchange(fallback->in_use, false)) exchange(*fallback->replacement);
   components_->reset();
   for (Arm& arm : arms_) arm.gate.forget_overload();
-  whole_ = {LifeCycle::kInactive, "reset"};
+  whole_ = {LifeCycle::kInactive, has_object() ? "reset" : kNoObject};
 }
 
 void Pipeline::zero() noexcept {
@@ -88,10 +95,12 @@ bool Pipeline::set_target(int revision, const char* kind, const double (*rest_po
 }
 
 ShapeSnapshot Pipeline::room_for_shape() const {
+  if (!has_object()) return {};
   return {components_->model->positions(), components_->model->velocities(), components_->estimate};
 }
 
 void Pipeline::copy_shape(ShapeSnapshot& snapshot) const noexcept {
+  if (!has_object()) return;
   snapshot.positions = components_->model->positions();
   snapshot.velocities = components_->model->velocities();
   snapshot.estimate = components_->estimate;

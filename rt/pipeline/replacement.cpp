@@ -88,6 +88,8 @@ Changes find_changes(const config::Node& present, const config::Node& wanted) {
     if (kReplaceable.count(key) == 0 && differs(key.c_str()))
       throw config::Error("replace: " + key + " stays as it is while the daemon runs");
 
+  if (senses_only(present) != senses_only(wanted))
+    throw config::Error("replace: a daemon without an object stays without one until a restart");
   Changes changes;
   changes.object = differs("object");
   changes.contact = changes.object || differs("contact");
@@ -199,6 +201,7 @@ bool Replacement::give_shape(const Eigen::Matrix3Xd& positions, const Eigen::Mat
 
 Fallbacks::Fallbacks(const config::Node& root, const ComponentSet& present,
                      const ShapeSnapshot& snapshot) {
+  if (senses_only(root)) return;
   mechanics.replacement = make_replacement(root, {"estimation", "deformation"}, present, snapshot);
   if (registry::has_fallback(root.child("feature"))) {
     registry::check_feature(root.child("feature"), present.context);

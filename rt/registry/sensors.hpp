@@ -35,6 +35,10 @@ config::OptionTable<Options> sensor_options() {
 template <class Options>
 config::OptionTable<Options> wrist_options() {
   return sensor_options<Options>()
+      .number("torque_deviation", "N m",
+              "Standard deviation of each axis of the torque about the origin of S, published on "
+              "WRENCH_COMPENSATED",
+              {0, 100}, &Options::torque_deviation)
       .flag("tare_at_start",
             "Tare at the start and after a reset, during which nothing may be held",
             &Options::tare_at_start)

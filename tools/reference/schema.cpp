@@ -367,6 +367,20 @@ void add_merged_sections(Json& definitions) {
   }
 }
 
+/// The sections of an object come together; without them, palpated has sensor models only.
+void add_object_sections(Json& configuration) {
+  if (!configuration["properties"].contains("deformation")) return;
+  const std::vector<std::string> needed = {"object", "estimation", "deformation", "feature",
+                                           "control"};
+  Json mappings = Json::object();
+  for (const std::string& key : needed) mappings[key] = {{"type", "object"}};
+  const Json whole = {{"required", needed}, {"properties", mappings}};
+  for (const std::string& key : needed) configuration["dependencies"][key] = whole;
+  for (const char* key : {"contact", "obstacles"}) configuration["dependencies"][key] = whole;
+  configuration["anyOf"] = Json::array(
+      {{{"required", Json::array({"object"})}}, {{"required", Json::array({"sensing"})}}});
+}
+
 }  // namespace
 
 std::string write_schema(const SchemaDocument& document) {
@@ -381,6 +395,7 @@ std::string write_schema(const SchemaDocument& document) {
     definitions["recording"] = recording(document.recordings);
     add_merged_sections(definitions);
   }
+  add_object_sections(definitions["complete"]);
   const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                        {"title", document.title},
                        {"if", {{"required", Json::array({"base"})}}},

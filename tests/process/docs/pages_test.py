@@ -42,7 +42,7 @@ NOT_RUN = {
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that keep running, and their output when ready.
-READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-drake": "waits for",
+READY = {"palpated": "inactive", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-drake": "waits for",
          "palpate-ur": "waits for", "palpate-franka": "waits for", "tools/lab/worlds/ur_arm": "ready", "palpate-see": "clouds"}
 
 

@@ -35,6 +35,7 @@ WRONG = (
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"frames.sensor_in_flange": {"place": [0, 0, 0]}}, "place"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"object.mesh.box.cells": [10, 1]}, "too short|short"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"object": None}, "mapping|object"),
+    ("configuration", "rt/config/examples/wrench.yaml", {"feature": {"component": "point", "rest_points": [[0, 0, 0]]}}, "object"),
     ("configuration", "rt/config/examples/bar_long_hard.yaml", {"object.material.density": -1}, "-1"),
     ("configuration", "rt/config/examples/bar_long_hard.yaml", {"object.material.weight": 1}, "weight"),
     ("scene", "sim/scenes/bar_long_soft_control.yaml", {"robot.speed_of_light": 1}, "speed_of_light"),

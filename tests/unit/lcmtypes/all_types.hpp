@@ -1,6 +1,7 @@
 #pragma once
 
 #include <palpate/biotac_t.hpp>
+#include <palpate/compensated_wrench_t.hpp>
 #include <palpate/component_command_t.hpp>
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
@@ -43,6 +44,7 @@ namespace palpate {
 template <typename Visit>
 void for_each_fixed_size_type(Visit visit) {
   visit(biotac_t{});
+  visit(compensated_wrench_t{});
   visit(component_command_t{});
   visit(component_event_t{});
   visit(config_t{});

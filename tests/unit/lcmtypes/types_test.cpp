@@ -19,6 +19,7 @@ namespace {
 // it as NAME_v1_t (v2, ...), convert it in rt/bus/checked_decode.cpp, and list both here.
 const std::map<std::string, std::uint64_t> kFingerprints = {
     {"biotac_t", 0x899d567d1460611d},
+    {"compensated_wrench_t", 0x769a2a47c545168e},
     {"component_command_t", 0xfed930ff6db67de2},
     {"component_event_t", 0x1ee90f753de22690},
     {"config_t", 0x2528ab9c6b131a90},

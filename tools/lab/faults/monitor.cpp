@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <palpate/channels.hpp>
+#include <palpate/compensated_wrench_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
 #include <palpate/discrepancy_t.hpp>
@@ -42,6 +43,9 @@ bool all_finite_in(const twist_command_t& m) { return all_finite(m.twist); }
 bool all_finite_in(const contacts_t& m) {
   return all_finite(m.location, m.wrench, m.deviation, m.obstacle_force, m.predicted_place,
                     m.predicted_normal, m.predicted_force, m.predicted_friction);
+}
+bool all_finite_in(const compensated_wrench_t& m) {
+  return all_finite(m.age, m.wrench_s, m.deviation_s, m.wrench_g, m.deviation_g);
 }
 bool all_finite_in(const estimate_t& m) {
   return all_finite(m.grasp_position, m.grasp_quaternion, m.grasp_deviation, m.reaction,
@@ -103,6 +107,9 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
   } else if (channel == channel::kContacts) {
     check(contacts_t());
     add(contact_hash_, message);
+  } else if (channel == channel::kWrenchCompensated) {
+    check(compensated_wrench_t());
+    add(hash_, message);
   } else if (channel == channel::kEstimate) {
     check(estimate_t());
     add(hash_, message);

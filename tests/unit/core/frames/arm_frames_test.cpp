@@ -48,6 +48,17 @@ TEST(ArmFrames, AWrenchKeepsItsForceAndItsMomentAboutEveryPoint) {
   EXPECT_TRUE(by_grasp.isApprox(by_sensor, 1e-12));
 }
 
+TEST(ArmFrames, DeviationOfATransformedWrenchIsThatOfItsComponents) {
+  const math::Pose X_AB = pose({0.1, -0.3, 0.2}, {0.7, 0.2, -0.5});
+  constexpr double kForce = 0.3, kTorque = 0.02;
+  math::Vector6d variance = math::Vector6d::Zero();  // sum over independent errors at B
+  for (int i = 0; i < 6; ++i) {
+    const math::Vector6d error = (i < 3 ? kForce : kTorque) * math::Vector6d::Unit(i);
+    variance += math::transform(X_AB, math::Wrench::from(error)).vector().cwiseAbs2();
+  }
+  EXPECT_LT((transformed_deviation(X_AB, kForce, kTorque) - variance.cwiseSqrt()).norm(), 1e-14);
+}
+
 TEST(ArmFrames, ATwistIsThatOfTheMovingGrasp) {
   const ArmFrames frames = oblique();
   const math::Twist V_W_E{{0.1, -0.2, 0.05}, {0.3, 0.1, -0.4}};

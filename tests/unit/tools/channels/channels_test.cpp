@@ -35,6 +35,7 @@ constexpr LeftOut kLeftOut[] = {
     {"view", channel::kTouchRequest, "TOUCH acknowledges it"},
     {"view", channel::kTouch, "palpate-command touch and the Python package report it"},
     {"view", channel::kUnknownContact, "ESTIMATE contains it"},
+    {"view", channel::kWrenchCompensated, "CONTACTS contains the same wrench, in O"},
     {"view", channel::kTwistCommand1, "the second arm moves by ROBOT_STATE_1"},
     {"view", channel::kJointVelocityCommand, "the arm moves by ROBOT_STATE"},
     {"view", channel::kHandCommand, "the hand moves by HAND_STATE"},
