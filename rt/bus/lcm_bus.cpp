@@ -112,16 +112,20 @@ void UdpmSocket::join(const UdpmUrl& url) {
 int UdpmSocket::receive(DatagramCounters& counters) noexcept {
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(std::uint32_t))];
   iovec room{buffer_.data(), buffer_.size()};
+  sockaddr_in from{};
   msghdr header{};
+  header.msg_name = &from;
   header.msg_iov = &room;
   header.msg_iovlen = 1;
   ssize_t size = 0;
   do {
+    header.msg_namelen = sizeof(from);
     header.msg_control = control;
     header.msg_controllen = sizeof(control);
     size = recvmsg(descriptor_, &header, 0);
   } while (size < 0 && errno == EINTR);
   if (size < 0) return -1;
+  sender_ = std::uint64_t{from.sin_addr.s_addr} << 16 | from.sin_port;
   for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
        part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;

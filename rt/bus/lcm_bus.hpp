@@ -52,6 +52,8 @@ class UdpmSocket {
   /// size in bytes; -1 if there is none.
   int receive(DatagramCounters& counters) noexcept;
   const std::uint8_t* data() const noexcept { return buffer_.data(); }
+  /// Address and port of the sender of that datagram.
+  std::uint64_t sender() const noexcept { return sender_; }
 
   /// for poll()
   int descriptor() const noexcept { return descriptor_; }
@@ -64,6 +66,7 @@ class UdpmSocket {
 
   int descriptor_ = -1;
   int receive_buffer_size_ = 0;
+  std::uint64_t sender_ = 0;
   std::uint32_t overflows_seen_ = 0;  // last value of the kernel's drop counter
   std::vector<std::uint8_t> buffer_;
 };

@@ -8,10 +8,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 #include "rt/bus/authentication.hpp"
-#include "rt/bus/lcm_bus.hpp"
+#include "rt/bus/fragments.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/real_time.hpp"
@@ -54,6 +55,7 @@ bool ChannelFilter::wants(std::string_view channel) {
 struct Listener::Group {
   bus::UdpmSocket socket;
   bus::DatagramCounters counters;
+  std::optional<bus::FragmentAssembler> fragments;
 };
 
 std::vector<Source> default_sources() {
@@ -95,7 +97,7 @@ void add_url_option(CLI::App& app, std::vector<std::string>& urls) {
       ->allow_extra_args(false);
 }
 
-Listener::Listener(std::vector<Source> sources, Handler handler)
+Listener::Listener(std::vector<Source> sources, Handler handler, int largest)
     : sources_(std::move(sources)),
       handler_(std::move(handler)),
       wall_us_(bus::wall_clock_us()),
@@ -103,6 +105,7 @@ Listener::Listener(std::vector<Source> sources, Handler handler)
   for (const Source& source : sources_) {
     groups_.push_back(std::make_unique<Group>());
     groups_.back()->socket.open(source.url);
+    if (largest > 0) groups_.back()->fragments.emplace(largest);
   }
   wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake_ < 0) throw std::runtime_error(std::string("no event: ") + std::strerror(errno));
@@ -149,14 +152,24 @@ bool Listener::receive_one(int source) {
   Group& group = *groups_[static_cast<std::size_t>(source)];
   const int size = group.socket.receive(group.counters);
   if (size < 0) return false;
-  handle(source, group.socket.data(), size);
+  handle(source, group.socket.data(), size, group.socket.sender());
   return true;
 }
 
-void Listener::handle(int source, const std::uint8_t* data, int size) {
-  bus::DatagramCounters& counters = groups_[static_cast<std::size_t>(source)]->counters;
+void Listener::handle(int source, const std::uint8_t* data, int size, std::uint64_t sender) {
+  Group& group = *groups_[static_cast<std::size_t>(source)];
+  bus::DatagramCounters& counters = group.counters;
   bus::UdpmFrame frame{};
-  if (!bus::parse_udpm_frame(data, size, counters, frame)) return;
+  if (group.fragments && bus::FragmentAssembler::is_fragment(data, size)) {
+    using Outcome = bus::FragmentAssembler::Outcome;
+    counters.received.fetch_add(1, std::memory_order_relaxed);
+    const Outcome outcome = group.fragments->take(data, size, sender);
+    if (outcome == Outcome::kDropped) counters.fragmented.fetch_add(1, std::memory_order_relaxed);
+    if (outcome != Outcome::kWhole) return;
+    frame = group.fragments->message();
+  } else if (!bus::parse_udpm_frame(data, size, counters, frame)) {
+    return;
+  }
   if (!is_printable(frame.channel)) {
     counters.malformed.fetch_add(1, std::memory_order_relaxed);
     return;

@@ -34,6 +34,10 @@ class ChannelFilter {
   std::unordered_map<std::string, bool> known_;  // cached answers
 };
 
+/// Default bound of a message of several fragments, bytes: a point cloud of 640 x 480 points
+/// has 3.7 MB.
+inline constexpr int kLargestMessage = 8'000'000;
+
 /// An LCM URL with its label for the user.
 struct Source {
   std::string label;  // control, housekeeping, pictures
@@ -61,16 +65,17 @@ struct Heard {
   int size = 0;  // of the data, bytes
 };
 
-/// Receives every channel of several LCM URLs. Accepts complete short messages only, with the same
-/// framing as the daemon's receiver, and counts everything else: no datagram can make it allocate,
-/// throw, or read outside the received data.
+/// Receives every channel of several LCM URLs. Accepts short messages, and larger ones of several
+/// fragments up to a bound, with the same framing as the daemon's receiver, and counts everything
+/// else: no datagram can make it allocate, throw, or read outside the received data.
 class Listener {
  public:
   using Handler = std::function<void(const Heard&)>;
 
-  /// Joins the groups. Throws std::runtime_error with the remedy on failure. The handler is called
-  /// in the receiving thread.
-  Listener(std::vector<Source> sources, Handler handler);
+  /// Joins the groups. `largest`: size of a message of several fragments, bytes; 0: fragments are
+  /// dropped. Throws std::runtime_error with the remedy on failure. The handler is called in the
+  /// receiving thread.
+  Listener(std::vector<Source> sources, Handler handler, int largest = 0);
   ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
@@ -92,7 +97,7 @@ class Listener {
   struct Group;
 
   bool receive_one(int source);
-  void handle(int source, const std::uint8_t* data, int size);
+  void handle(int source, const std::uint8_t* data, int size, std::uint64_t sender);
 
   std::vector<Source> sources_;
   Handler handler_;

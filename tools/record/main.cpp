@@ -121,7 +121,7 @@ struct Options {
   std::vector<std::string> urls, only;
   std::vector<std::filesystem::path> types;
   std::string json;
-  double flush_interval_ms = 100, seconds = 0;
+  double flush_interval_ms = 100, seconds = 0, largest_mb = 1e-6 * record::kLargestMessage;
   bool quiet = false, strftime = false;
 };
 
@@ -138,7 +138,7 @@ constexpr char kExamples[] =
     "  palpate-record --only control --split-mb 100 --rotate 5 run.lcmlog\n"
     "  palpate-record -c 'SHAPE|HEALTH|ESTIMATE' --seconds 60 --json run.json run\n"
     "  palpate-record --url control=udpm://239.255.76.67:7700?ttl=0 --merge all.lcmlog\n"
-    "Messages larger than one datagram, which palpate never sends, are rejected and counted.";
+    "Messages of several fragments, which other programs send, are joined up to --largest-mb.";
 
 void add_options(CLI::App& app, Options& options) {
   record::RecorderOptions& recorder = options.recorder;
@@ -179,6 +179,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("-m,--max-unwritten-mb", recorder.max_unwritten_mb,
                  "messages that wait for the disk; beyond it they are dropped and counted")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--largest-mb", options.largest_mb,
+                 "messages of several fragments, such as clouds of other programs, up to this "
+                 "size; larger ones are rejected and counted; 0: none")
+      ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   app.add_option("--min-free-mb", recorder.min_free_mb, "end when the disk has less left; 0: never")
       ->check(CLI::NonNegativeNumber)
@@ -251,7 +256,9 @@ int run(Options& options, const sigset_t& signals) {
   }
   std::unique_ptr<record::Recorder> recorder;
   // Groups are joined first: on failure no empty file is left behind.
-  record::Listener listener(sources, [&](const record::Heard& heard) { recorder->take(heard); });
+  record::Listener listener(
+      sources, [&](const record::Heard& heard) { recorder->take(heard); },
+      static_cast<int>(1e6 * options.largest_mb));
   recorder = std::make_unique<record::Recorder>(settings);
   listener.start();
   const std::int64_t begin_ns = monotonic_ns();

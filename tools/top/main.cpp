@@ -234,7 +234,9 @@ int run(const Options& options) {
   std::vector<record::Source> sources = record::default_sources();
   record::put_urls(options.urls, sources);
   Everything everything(types::TypeSet(options.types), options.shown);
-  record::Listener listener(sources, [&](const record::Heard& heard) { everything.take(heard); });
+  record::Listener listener(
+      sources, [&](const record::Heard& heard) { everything.take(heard); },
+      record::kLargestMessage);
   listener.start();
   const bool prints = options.once || !options.json.empty();
   const int code =

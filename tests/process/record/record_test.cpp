@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <palpate/ft_wrench_t.hpp>
@@ -121,6 +122,31 @@ TEST_F(Record, ThreeUrlsAtOnceAmongPacketsThatEndOthers) {
   EXPECT_GT(counters["malformed"], 100);
   EXPECT_GT(counters["fragmented"], 100);
   EXPECT_GT(json["misfits"], 100);
+}
+
+TEST_F(Record, MessagesOfSeveralFragmentsAreRecordedUpToTheBound) {
+  ChildProcess recorder(
+      command({"--largest-mb", "0.3", "--json", path("summary.json"), path("run")}));
+  ASSERT_TRUE(listens(recorder)) << recorder.output();
+  lcm::LCM sender(urls_[0].text());  // sends fragments as other programs do
+  ASSERT_TRUE(sender.good());
+  std::vector<std::uint8_t> bytes(300'001);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i * i >> 7);
+  sender.publish("TOO_LARGE", bytes.data(), 300'001);
+  sender.publish("POINT_CLOUD", bytes.data(), 300'000);
+  sender.publish("SHORT", bytes.data(), 100);
+  ASSERT_TRUE(eventually([&] { return fs::file_size(path("run.control.lcmlog")) > 300'100; }));
+  recorder.send(SIGINT);
+  EXPECT_EQ(recorder.wait(seconds(20)), 0) << recorder.output();
+  std::map<std::string, std::vector<std::uint8_t>> content;
+  bus::EventLogReader log(path("run.control.lcmlog"));
+  while (const bus::LoggedEvent* event = log.next())
+    content[event->channel].assign(event->data, event->data + event->size);
+  ASSERT_EQ(content.size(), 2U);
+  EXPECT_EQ(content["SHORT"].size(), 100U);
+  bytes.pop_back();
+  EXPECT_EQ(content["POINT_CLOUD"], bytes);
+  EXPECT_EQ(summary()["urls"]["control"]["fragmented"], 5) << "of TOO_LARGE, 65 kB each";
 }
 
 TEST_F(Record, LcmLogplayerPlaysItUnchanged) {
