@@ -25,9 +25,7 @@ std::int64_t number_at(const void* data) noexcept {
 }
 
 void require_channel_name(const std::string& channel) {
-  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-  if (channel.empty() || channel.size() > static_cast<std::size_t>(kLongestChannel) ||
-      channel.find_first_not_of(kAllowed) != std::string::npos)
+  if (!is_channel_name(channel))
     throw std::invalid_argument("channel \"" + channel +
                                 "\": a name is 1 to 63 of the characters A-Z, 0-9 and _");
 }
@@ -44,6 +42,21 @@ void increment(std::atomic<std::int64_t>& counter) noexcept {
 }
 
 }  // namespace
+
+bool is_channel_name(const std::string& name) noexcept {
+  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+  return !name.empty() && name.size() <= static_cast<std::size_t>(kLongestChannel) &&
+         name.find_first_not_of(kAllowed) == std::string::npos;
+}
+
+std::string_view own_name(const ChannelNames& names, std::string_view name) noexcept {
+  bool is_renamed = false;
+  for (const auto& [own, on_bus] : names) {
+    if (on_bus == name) return own;
+    is_renamed = is_renamed || own == name;
+  }
+  return is_renamed ? std::string_view() : name;
+}
 
 bool fits_one_datagram(const char* channel, int size) noexcept {
   const auto name = static_cast<int>(strnlen(channel, kLongestChannel + 1));

@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpate::bus {
@@ -12,6 +14,15 @@ inline constexpr int kLongestChannel = 63;
 /// Maximum size of name, terminating zero and payload of a message: the largest UDP payload without
 /// LCM's header of 8 bytes.
 inline constexpr int kLargestShortMessage = 65507 - 8;
+
+/// True for 1 to 63 of the characters A-Z, 0-9 and _.
+bool is_channel_name(const std::string& name) noexcept;
+
+/// Names on a bus of channels that have another one there than palpate's own, by their own.
+using ChannelNames = std::map<std::string, std::string>;
+/// Palpate's own name of the channel that is `name` on a bus; "" for a channel that only has the
+/// own name of a renamed one.
+std::string_view own_name(const ChannelNames& names, std::string_view name) noexcept;
 
 /// True if a message of `size` bytes fits into one datagram and the name has 1 to 63 characters.
 bool fits_one_datagram(const char* channel, int size) noexcept;
@@ -31,7 +42,7 @@ struct SubscriptionCounters {
 struct DatagramCounters {
   std::atomic<std::int64_t> received{0};
   std::atomic<std::int64_t> malformed{0};  // not an LCM message: framing, channel name or size
-  /// Fragment of a larger message, which is not supported.
+  /// Fragment of a larger message, where those are not received; else one that was dropped.
   std::atomic<std::int64_t> fragmented{0};
   std::atomic<std::int64_t> unsubscribed{0};  // channel without a subscription
   std::atomic<std::int64_t> overflowed{0};    // lost because the socket buffer was full
@@ -141,6 +152,15 @@ class MessageBus {
   /// In order of subscription.
   const std::vector<const Subscription*>& subscriptions() const noexcept { return listed_; }
 
+  /// Call before anything subscribes or publishes: typed subscriptions and publishers of this bus
+  /// take their channels by palpate's names and use these. Subscriptions, taps and counters refer
+  /// to the names on the bus.
+  void set_channel_names(ChannelNames names) { names_ = std::move(names); }
+  const std::string& name_of(const std::string& channel) const {
+    const auto found = names_.find(channel);
+    return found == names_.end() ? channel : found->second;
+  }
+
   /// Sets the observer of all messages that typed subscriptions and publishers of this bus take and
   /// publish; nullptr: none.
   void set_tap(MessageTap* tap) noexcept { tap_ = tap; }
@@ -156,6 +176,7 @@ class MessageBus {
  private:
   std::vector<const Subscription*> listed_;
   MessageTap* tap_ = nullptr;
+  ChannelNames names_;
 };
 
 /// LCM UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. Publishes through liblcm;
@@ -186,7 +207,8 @@ template <class T>
 class TypedSubscription {
  public:
   TypedSubscription(MessageBus& bus, const std::string& channel, int depth)
-      : bus_(&bus), raw_(&bus.subscribe(channel, T().getEncodedSize(), T::getHash(), depth)) {}
+      : bus_(&bus),
+        raw_(&bus.subscribe(bus.name_of(channel), T().getEncodedSize(), T::getHash(), depth)) {}
 
   /// False if there is no message. Does not allocate for types of fixed size.
   bool take(T& message, std::int64_t& arrival_ns) noexcept {
@@ -213,9 +235,9 @@ enum class Urgency { kNow, kLater };
 template <class T>
 class TypedPublisher {
  public:
-  TypedPublisher(MessageBus& bus, std::string channel, Urgency urgency = Urgency::kNow)
+  TypedPublisher(MessageBus& bus, const std::string& channel, Urgency urgency = Urgency::kNow)
       : bus_(&bus),
-        channel_(std::move(channel)),
+        channel_(bus.name_of(channel)),
         buffer_(T().getEncodedSize()),
         urgency_(urgency) {}
 

@@ -14,12 +14,19 @@ std::unique_ptr<CrashRecord> make_record(const Settings& settings, bus::MessageB
   return std::make_unique<CrashRecord>(settings.record, settings.loop.period, control);
 }
 
+/// Before anything subscribes or publishes.
+Settings name_channels(Settings settings, bus::MessageBus& control, bus::MessageBus& housekeeping) {
+  control.set_channel_names(settings.channels);
+  housekeeping.set_channel_names(settings.channels);
+  return settings;
+}
+
 }  // namespace
 
 Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageBus& housekeeping,
                Mode mode, std::int64_t session)
     : mode_(mode),
-      settings_(read_settings(root)),
+      settings_(name_channels(read_settings(root), control, housekeeping)),
       access_{settings_.key, mode == Mode::kRealTime ? bus::wall_clock_us() : 0},
       record_(mode == Mode::kRealTime ? make_record(settings_, control) : nullptr),
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),

@@ -33,7 +33,8 @@ struct Now {
 /// same class runs in palpated, in palpate-replay and in tests.
 class Daemon {
  public:
-  /// Subscribes; call start() of both buses afterwards. Throws config::Error.
+  /// Sets the configured names of channels on both buses, and subscribes; call start() of both
+  /// afterwards. Throws config::Error.
   Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageBus& housekeeping,
          Mode mode, std::int64_t session);
 

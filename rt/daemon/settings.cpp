@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "rt/bus/udpm_url.hpp"
+#include "rt/config/channel_names.hpp"
 #include "rt/config/key_file.hpp"
 
 namespace palpate::daemon {
@@ -95,6 +96,7 @@ Settings read_settings(const config::Node& root) {
                settings.housekeeping_url);
   check_url(bus, "control", settings.control_url);
   check_url(bus, "housekeeping", settings.housekeeping_url);
+  settings.channels = config::read_channel_names(bus);
   settings.key = config::read_key(root);
   return settings;
 }

@@ -42,7 +42,7 @@ class Pipeline {
   ComponentSet& components_at_setup() noexcept { return *components_; }
 
   // Life-cycle events; safe in the loop.
-  /// "" or why it is refused.
+  /// "" or why it is refused: also where messages contradict the configured frames.
   const char* start() noexcept;
   void stop(const char* reason = "stopped") noexcept;
   void reset() noexcept;                    // rest shape, faults cleared, inactive
@@ -185,6 +185,7 @@ class Pipeline {
   bool moving_arms_known() const noexcept;
   double request(int arm, const math::Twist& V_O_G) noexcept;
   static void find_joints(Arm& arm) noexcept;
+  static const char* wrong_frames(const Arm& arm) noexcept;
   static control::JointInputs joint_inputs(const Arm& arm) noexcept;
   static void pass_gate(Arm& arm, bool as_joints) noexcept;
   bool other_rejected(int arm) const noexcept;

@@ -1,6 +1,7 @@
 // Changes of the pipeline between ticks: set-up, events, targets, replacements.
 #include <utility>
 
+#include "core/frames/frame_check.hpp"
 #include "rt/pipeline/pipeline.hpp"
 #include "rt/plugin/plugins.hpp"
 
@@ -51,9 +52,21 @@ std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
   return model;
 }
 
+/// Why the arm's messages contradict its frames or its URDF; "" if nothing shows that.
+const char* Pipeline::wrong_frames(const Arm& arm) noexcept {
+  if (arm.signals == nullptr || !arm.known) return "";
+  if (arm.model && !arm.joints_known)
+    return arm.signals->robot.latest.joint_count == arm.model->chain.joint_count()
+               ? "ROBOT_STATE: the flange is not where the joints and robot.urdf have it"
+               : "ROBOT_STATE has another number of joints than robot.urdf";
+  return frames::frame_contradiction(arm.measurements());
+}
+
 const char* Pipeline::start() noexcept {
   if (!has_object()) return kNoObject;
   if (whole_.state != LifeCycle::kInactive) return is_running() ? "" : "faulted: reset first";
+  for (const Arm& arm : arms_)
+    if (const char* reason = wrong_frames(arm); *reason != '\0') return reason;
   whole_ = {LifeCycle::kActive, ""};
   obstacle_condition_ = jaw_condition_ = {LifeCycle::kActive, ""};
   for (Arm& arm : arms_) arm.gate.forget_overload();

@@ -55,11 +55,13 @@ class Buses {
     const bool has_clouds = scene.camera && scene.camera->cloud_stride > 0;
     if (!options.record.empty()) {
       recorder_.emplace(options.record, has_clouds);
+      name_channels(urls.channels);
       return;
     }
     lock_.emplace(urls.control, "palpate-sim");
     control_ = bus::make_lcm_bus(urls.control);
     housekeeping_ = bus::make_lcm_bus(urls.housekeeping);
+    name_channels(urls.channels);
     if (!has_clouds) return;
     clouds_ = std::make_unique<lcm::LCM>(urls.clouds);
     if (!clouds_->good())
@@ -81,6 +83,11 @@ class Buses {
   RunRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
 
  private:
+  void name_channels(const bus::ChannelNames& names) {
+    control().set_channel_names(names);
+    housekeeping().set_channel_names(names);
+  }
+
   std::optional<RunRecorder> recorder_;
   std::optional<bus::InstanceLock> lock_;
   std::unique_ptr<bus::MessageBus> control_, housekeeping_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/math/constants.hpp"
+#include "rt/config/channel_names.hpp"
 #include "rt/config/key_file.hpp"
 #include "sim/scenes/camera_publisher.hpp"
 #include "sim/scenes/obstacles.hpp"
@@ -21,6 +22,7 @@ void read_bus(const config::Node& node, BusUrls& bus) {
   bus.housekeeping = node.text({"housekeeping", "", "truth"}, bus.housekeeping);
   bus.pictures = node.text({"pictures", "", "rendered images"}, bus.pictures);
   bus.clouds = node.text({"clouds", "", "clouds of a depth camera"}, bus.clouds);
+  bus.channels = config::read_channel_names(node);
 }
 
 /// Refuses an inertia that no body of positive density has.

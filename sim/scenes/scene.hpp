@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "rt/bus/message_bus.hpp"
 #include "rt/config/node.hpp"
 #include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
@@ -21,6 +22,7 @@ struct BusUrls {
   std::string housekeeping = "udpm://239.255.76.68:7668?ttl=0";
   std::string pictures = "udpm://239.255.76.69:7669?ttl=0";
   std::string clouds = "udpm://239.255.76.70:7670?ttl=0";  // large messages, apart from the others
+  bus::ChannelNames channels;                              // on control and housekeeping URL
 };
 
 /// Occlusion of the camera for a while, s.

@@ -65,9 +65,9 @@ std::set<std::string> inputs_of(const bus::MessageBus& bus) {
   return channels;
 }
 
-bool is_start(const bus::LoggedEvent& event) {
+bool is_start(const bus::MessageBus& bus, const bus::LoggedEvent& event) {
   component_command_t command{};
-  return event.channel == channel::kComponentCommand &&
+  return event.channel == bus.name_of(channel::kComponentCommand) &&
          command.decode(event.data, 0, event.size) == event.size &&
          bus::get_text(command.event) == std::string("start");
 }
@@ -157,7 +157,7 @@ class Run {
       ++result_.left_out;
       return;
     }
-    if (is_start(event)) ++result_.starts;
+    if (is_start(*control_, event)) ++result_.starts;
     bus::record(*hub_, nullptr);
     bus::set_time(*hub_, event.utime * 1000);
     input_->publish(event.channel.c_str(), event.data, event.size);

@@ -1,12 +1,14 @@
 #include "tools/view/live_source.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "rt/bus/authentication.hpp"
 
 namespace palpate::view {
 
-LiveSource::LiveSource(const std::vector<std::string>& urls) {
+LiveSource::LiveSource(const std::vector<std::string>& urls, bus::ChannelNames names)
+    : names_(std::move(names)) {
   std::vector<std::string> joined;
   for (const std::string& text : urls) {
     const bus::UdpmUrl url = bus::parse_udpm_url(text);
@@ -29,7 +31,8 @@ void LiveSource::receive(Scene& scene, int most) {
 void LiveSource::handle(Scene& scene, const std::uint8_t* data, int size, std::int64_t time_us) {
   bus::UdpmFrame frame{};
   if (!bus::parse_udpm_frame(data, size, counters_, frame)) return;
-  if (!scene.accept(frame.channel, frame.payload, frame.payload_size, time_us))
+  if (!scene.accept(bus::own_name(names_, frame.channel), frame.payload, frame.payload_size,
+                    time_us))
     ++counters_.unsubscribed;
 }
 

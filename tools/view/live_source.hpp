@@ -15,9 +15,9 @@ namespace palpate::view {
 /// since shapes and meshes have no fixed size.
 class LiveSource {
  public:
-  /// Joins the group of each URL. Throws std::invalid_argument or std::runtime_error with the
-  /// remedy.
-  explicit LiveSource(const std::vector<std::string>& urls);
+  /// Joins the group of each URL. `names`: of channels on these buses. Throws std::invalid_argument
+  /// or std::runtime_error with the remedy.
+  explicit LiveSource(const std::vector<std::string>& urls, bus::ChannelNames names = {});
 
   /// Handles everything received since the last call, without waiting; a flood is cut off after
   /// `most` datagrams per group.
@@ -29,6 +29,7 @@ class LiveSource {
   const bus::DatagramCounters& counters() const { return counters_; }
 
  private:
+  bus::ChannelNames names_;
   std::list<bus::UdpmSocket> sockets_;
   bus::DatagramCounters counters_;  // unsubscribed: of channels that the scene does not show
 };

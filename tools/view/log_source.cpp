@@ -62,7 +62,9 @@ void thin(Series& series) {
 }  // namespace
 
 LogSource::LogSource(const std::vector<std::string>& files, const Progress& progress,
-                     std::vector<std::string>& complaints, const types::TypeSet& described) {
+                     std::vector<std::string>& complaints, const types::TypeSet& described,
+                     const bus::ChannelNames& names)
+    : names_(names) {
   for (std::size_t i = 0; i < files.size(); ++i)
     index(files[i], static_cast<std::int16_t>(i), progress, complaints, described);
   std::int64_t end_us = 0;
@@ -88,7 +90,14 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
   const auto size = static_cast<double>(std::filesystem::file_size(path));
   const auto& wanted = Scene::channels();
   double reported = 0;
+  bus::LoggedEvent renamed;
   while (const bus::LoggedEvent* event = reader.next()) {
+    const std::size_t name_size = event->channel.size();
+    if (!names_.empty()) {
+      renamed = *event;
+      renamed.channel = bus::own_name(names_, event->channel);
+      event = &renamed;
+    }
     const double share = size > 0 ? static_cast<double>(event->at) / size : 1;
     if (share - reported >= 0.01) progress(path, reported = share);
     if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end() &&
@@ -104,7 +113,7 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
       if (since >= 0 && since < kClosest) continue;
     }
     const std::int64_t at =
-        event->at + bus::kEventHeaderSize + static_cast<std::int64_t>(event->channel.size());
+        event->at + bus::kEventHeaderSize + static_cast<std::int64_t>(name_size);
     list.push_back({event->utime, at, sent, event->size, number});
   }
   if (!reader.complaint().empty()) complaints.push_back(reader.complaint());

@@ -25,9 +25,10 @@ class LogSource {
 
   /// Throws std::runtime_error naming the file if one cannot be read, is not a log, or if none
   /// holds a message to show. `complaints`: one line for each damaged file. `described`: types of
-  /// further messages to be shown; those of the scene.
+  /// further messages to be shown; those of the scene. `names`: that channels had on the buses.
   LogSource(const std::vector<std::string>& files, const Progress& progress,
-            std::vector<std::string>& complaints, const types::TypeSet& described = {});
+            std::vector<std::string>& complaints, const types::TypeSet& described = {},
+            const bus::ChannelNames& names = {});
 
   double duration() const { return duration_; }  // s
   double time() const { return time_; }          // s since the log's start
@@ -61,6 +62,7 @@ class LogSource {
     float value;
   };
 
+  bus::ChannelNames names_;
   std::vector<std::ifstream> files_;
   // By track, which is a channel or, of WORLD_STATE, an obstacle's part of it; in order of time.
   std::map<std::string, std::vector<Entry>> entries_;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "rt/config/channel_names.hpp"
 #include "tools/common/program.hpp"
 #include "tools/view/viewer.hpp"
 
@@ -98,7 +99,8 @@ void warn_of_damage(const std::vector<std::string>& complaints) {
 }
 
 std::unique_ptr<view::LogSource> open_log(const Options& options,
-                                          const palpate::types::TypeSet& types) {
+                                          const palpate::types::TypeSet& types,
+                                          const bus::ChannelNames& names) {
   auto printed = std::chrono::steady_clock::now();
   const auto progress = [&printed](const std::string& file, double share) {
     const auto now = std::chrono::steady_clock::now();
@@ -107,7 +109,7 @@ std::unique_ptr<view::LogSource> open_log(const Options& options,
     std::fprintf(stderr, "%s: %.0f %%\n", file.c_str(), 100 * share);
   };
   std::vector<std::string> complaints;
-  auto log = std::make_unique<view::LogSource>(options.logs, progress, complaints, types);
+  auto log = std::make_unique<view::LogSource>(options.logs, progress, complaints, types, names);
   warn_of_damage(complaints);
   std::printf("%.1f s of recording\n", log->duration());
   return log;
@@ -149,9 +151,14 @@ int run(Options& options) {
   viewer_options.control = options.control;
   viewer_options.max_force = options.max_force;
   viewer_options.rate = options.log_rate;
-  if (!options.configuration.empty())
+  bus::ChannelNames names;
+  if (!options.configuration.empty()) {
     viewer_options.cell =
         view::Cell::read(options.configuration, options.overrides, options.urdf, options.flange);
+    names = palpate::config::read_channel_names(
+        palpate::config::Node::load_file(options.configuration, options.overrides)
+            .child_or_empty("bus"));
+  }
   const serve::Token token =
       options.token_file.empty() ? serve::Token() : serve::Token(options.token_file);
   view::Viewer viewer(viewer_options, token);
@@ -160,10 +167,10 @@ int run(Options& options) {
 
   std::unique_ptr<bus::MessageBus> control, housekeeping;
   if (!options.logs.empty()) {
-    viewer.show_log(open_log(options, types));
+    viewer.show_log(open_log(options, types, names));
   } else {
     viewer.show_live(std::make_unique<view::LiveSource>(
-        std::vector<std::string>{options.control_url, options.housekeeping_url}));
+        std::vector<std::string>{options.control_url, options.housekeeping_url}, names));
   }
   if (options.control) {
     bus::Access access;
@@ -171,6 +178,8 @@ int run(Options& options) {
     if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
     control = bus::make_lcm_bus(options.control_url);
     housekeeping = bus::make_lcm_bus(options.housekeeping_url);
+    control->set_channel_names(names);
+    housekeeping->set_channel_names(names);
     viewer.command_by(std::make_unique<client::Client>(*control, *housekeeping, access));
     housekeeping->start_without_thread();
   }

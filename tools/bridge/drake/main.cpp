@@ -45,6 +45,7 @@ void run(const palpate::config::Node& configuration, const std::string& file) {
   const drake_bridge::Settings settings = drake_bridge::read_settings(configuration);
   const bus::Access access{settings.key, bus::wall_clock_us()};
   const auto control = bus::make_lcm_bus(settings.control);
+  control->set_channel_names(settings.channels);
   const auto drake = bus::make_lcm_bus(settings.drake);
 
   std::optional<drake_bridge::ForceTorqueInput> wrenches;

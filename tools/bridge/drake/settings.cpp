@@ -2,6 +2,7 @@
 
 #include "iiwa.hpp"
 #include "panda.hpp"
+#include "rt/config/channel_names.hpp"
 #include "rt/config/key_file.hpp"
 #include "tools/bridge/common/settings.hpp"
 
@@ -65,6 +66,7 @@ Settings read_settings(const Node& root) {
 
   const Node bus = root.child_or_empty({"bus", "", "LCM URLs"});
   settings.control = bridge::read_control_url(bus);
+  settings.channels = config::read_channel_names(bus);
   settings.housekeeping = bridge::read_url(bus, {"housekeeping", "", "palpated's shape"},
                                            "udpm://239.255.76.68:7668?ttl=0");
   settings.drake = bridge::read_url(bus, {"drake", "", "Drake's messages"}, settings.control);

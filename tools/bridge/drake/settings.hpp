@@ -26,6 +26,7 @@ struct Settings {
   double stale = 0.05;                       // s
   double follow = 0.02;                      // rad
   std::string control, housekeeping, drake;  // LCM URLs
+  bus::ChannelNames channels;                // of palpate on the control URL
   std::optional<bus::Key> key;
   driver::JointGuard::Options guard;
   std::optional<Gripper::Options> gripper;

@@ -24,6 +24,7 @@ void run(const palpate::config::Node& configuration, const std::string& file) {
   franka::Settings settings = franka::read_settings(configuration);
   const bus::Access access{settings.key, bus::wall_clock_us()};
   const auto control = bus::make_lcm_bus(settings.control);
+  control->set_channel_names(settings.channels);
   const bridge::BridgedArm::Options options = bridge::machine_options(settings.stale);
 
   settings.arm.now_ns = options.now_ns;

@@ -19,9 +19,10 @@ struct Settings {
   std::string host;
   int port = 1337;
   int fifo_priority = 90;
-  double stale = 0.05;  // s
-  Franka::Options arm;  // without clock
-  std::string control;  // LCM URL
+  double stale = 0.05;         // s
+  Franka::Options arm;         // without clock
+  std::string control;         // LCM URL
+  bus::ChannelNames channels;  // of palpate on it
   std::optional<bus::Key> key;
   driver::JointGuard::Options guard;
 };

@@ -29,6 +29,7 @@ void run(const palpate::config::Node& configuration, const std::string& file) {
   ur::Settings settings = ur::read_settings(configuration);
   const bus::Access access{settings.key, bus::wall_clock_us()};
   const auto control = bus::make_lcm_bus(settings.control);
+  control->set_channel_names(settings.channels);
   const bridge::BridgedArm::Options options = bridge::machine_options(settings.arm.stale);
 
   settings.arm.script = read_script();

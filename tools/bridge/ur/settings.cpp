@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "rt/config/channel_names.hpp"
 #include "rt/config/key_file.hpp"
 #include "tools/bridge/common/settings.hpp"
 
@@ -82,6 +83,7 @@ Settings read_settings(const Node& root) {
 
   const Node bus = root.child_or_empty({"bus", "", "LCM URLs"});
   settings.control = bridge::read_control_url(bus);
+  settings.channels = config::read_channel_names(bus);
   settings.key = config::read_key(root);
   settings.guard = bridge::read_guard(root);
   if (arm.numbers.acceleration < settings.guard.acceleration)

@@ -26,6 +26,7 @@ struct Settings {
   Ur::Options arm;                 // without script and clock
   std::optional<Ft300Port> ft300;  // else the controller's wrench, if any
   std::string control;             // LCM URL
+  bus::ChannelNames channels;      // of palpate on it
   std::optional<bus::Key> key;
   driver::JointGuard::Options guard;
 };

@@ -31,7 +31,8 @@ class Settings:
     """Of all steps; one that is None is left out.
 
     X_WC: pose of the camera. nearest, farthest: depth, m. least_points: of which an observation consists.
-    control_url: of joint states and observations; clouds_url: of clouds, on `channel`.
+    control_url: of joint states and observations; clouds_url: of clouds, on `channel`. own_names: palpate's names of
+    channels that have another one on the control URL, by that one.
     """
 
     X_WC: Pose
@@ -41,6 +42,7 @@ class Settings:
     control_url: str
     clouds_url: str
     channel: str
+    own_names: dict[str, str]
     intrinsics: Optional[Intrinsics]
     edges: EdgeFilter
     crop: Optional[Crop]
@@ -74,6 +76,7 @@ def read_settings(path: Path) -> Settings:
         control,
         bus.text("clouds", control),
         top.text("channel", "POINT_CLOUD"),
+        {str(name): str(own) for own, name in palpated.optional("bus").optional("channels").values.items()},
         read_intrinsics(top.section("intrinsics")) if top.has("intrinsics") else None,
         read_edges(top.optional("edges")),
         read_crop(top.section("crop")) if top.has("crop") else None,

@@ -30,6 +30,7 @@ class Live:
         package = palpate_package.load()
         self._decode, self._clock = package.decode, package.authentication.wall_clock_us
         self._channel, self._pipeline, self._body, self._outputs = settings.channel, pipeline, body, outputs
+        self._own_names = settings.own_names
         self._newest: Optional[tuple[Cloud, int]] = None
         self._is_over = False
         self._transports: list[Any] = []
@@ -79,7 +80,7 @@ class Live:
         if channel != self._channel:
             if self._body is not None:
                 latest = self._clock() + AHEAD_US
-                counters.refused_states += not take_state(self._body, channel, data, self._decode, latest)
+                counters.refused_states += not take_state(self._body, self._own_names.get(channel, channel), data, self._decode, latest)
             return
         try:
             cloud = decode_point_cloud(data)

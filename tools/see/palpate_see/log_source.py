@@ -27,10 +27,11 @@ def read_log(path: Path, channel: str) -> Iterator[tuple[Optional[Cloud], int]]:
         raise InputError(f"{path}: has no {channel}; allowed as channel of the configuration: {', '.join(sorted(seen))}")
 
 
-def read_joints(path: Path, body: RobotBody) -> int:
-    """Adds all states of arm and hand in a log. Returns how many of them cannot be used. Raises InputError."""
+def read_joints(path: Path, body: RobotBody, own_names: dict[str, str]) -> int:
+    """Adds all states of arm and hand in a log. own_names: as in Settings. Returns how many of them
+    cannot be used. Raises InputError."""
     decode = palpate_package.load().decode
-    return sum(not take_state(body, event.channel, event.data, decode) for event in _events(path))
+    return sum(not take_state(body, own_names.get(event.channel, event.channel), event.data, decode) for event in _events(path))
 
 
 def take_state(body: RobotBody, channel: str, data: bytes, decode: Any, latest: Optional[int] = None) -> bool:

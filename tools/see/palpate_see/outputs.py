@@ -31,15 +31,18 @@ def message_of(observation: Observation) -> Any:
 class BusOutput:
     """Publishes."""
 
-    def __init__(self, url: str) -> None:
-        """Raises InputError for a wrong URL, OSError without a network."""
+    def __init__(self, url: str, own_names: dict[str, str]) -> None:
+        """own_names: as in Settings. Raises InputError for a wrong URL, OSError without a network."""
+        self._channel = next((name for name, own in own_names.items() if own == CHANNEL), CHANNEL)
         try:
             self._bus = palpate_package.load().Bus(url)
         except ValueError as error:
             raise InputError(str(error)) from error
 
     def write(self, observation: Observation) -> None:
-        self._bus.publish(CHANNEL, message_of(observation))
+        message = message_of(observation)
+        self._bus.stamp(CHANNEL, message)
+        self._bus.publish_sealed(self._channel, message)
 
     def close(self) -> None:
         self._bus.close()

@@ -29,7 +29,7 @@ def _pipeline(settings: Settings, options: argparse.Namespace) -> tuple[Pipeline
     body = RobotBody(settings.robot, keeps_all=bool(logs))
     pipeline = Pipeline(settings, body)
     for path in logs:
-        pipeline.counters.refused_states += read_joints(path, body)
+        pipeline.counters.refused_states += read_joints(path, body, settings.own_names)
     return pipeline, body
 
 
@@ -92,7 +92,7 @@ def _from_network(settings: Settings, options: argparse.Namespace, pipeline: Pip
                   reports: _Reports) -> None:  # fmt: skip
     from palpate_see.live import Live
 
-    outputs: list[Output] = [BusOutput(settings.control_url)]
+    outputs: list[Output] = [BusOutput(settings.control_url, settings.own_names)]
     if options.output:
         outputs.append(file_output(options.output))
     live = Live(settings, pipeline, body, outputs)

@@ -175,6 +175,18 @@ TEST_F(CompensatedWrench, SensorModelsAreReplacedWithoutAnObject) {
   EXPECT_STREQ(bus::get_text(last<component_event_t>("COMPONENT_EVENT").event), "refused");
 }
 
+TEST_F(CompensatedWrench, GoesAndComesByTheConfiguredNamesOfChannels) {
+  run("wrench.yaml", {"sensing.0.tare_at_start=false",
+                      "bus.channels={FT_WRENCH: LEFT_FT, WRENCH_COMPENSATED: LEFT_CONTACT}"});
+  outside_->set_channel_names({{"FT_WRENCH", "LEFT_FT"}});
+  const math::Wrench contact{{1, 2, 3}, {0, 0, 0}};
+  cycle(3, &contact);
+  EXPECT_EQ(last<compensated_wrench_t>("LEFT_CONTACT").valid, 1);
+  EXPECT_EQ(last<compensated_wrench_t>("WRENCH_COMPENSATED").valid, 0);
+  EXPECT_STREQ(daemon_->inputs().report(0).name, "FT_WRENCH");
+  EXPECT_EQ(daemon_->inputs().report(0).received, 3);
+}
+
 TEST_F(CompensatedWrench, OfBothArmsBesideTheEstimate) {
   run("bar_two_hands.yaml");
   const math::Wrench contact{{1, 2, 3}, {0, 0, 0}};

@@ -170,6 +170,22 @@ TEST(Scene, KeepsThePlaceOfEachObstacleThatMessagesMove) {
   EXPECT_EQ(scene.moved("plate"), nullptr);
 }
 
+TEST(Scene, ChannelsHaveOtherNamesOnTheBus) {
+  Scene scene;
+  LiveSource source({}, {{"FEATURE", "LEFT_FEATURE"}});
+  const std::vector<std::uint8_t> payload = encoded(feature_t{});
+  const auto send = [&](const std::string& channel) {
+    std::string datagram("LC02\0\0\0\1", 8);
+    datagram += channel + '\0';
+    datagram.append(payload.begin(), payload.end());
+    source.handle(scene, reinterpret_cast<const std::uint8_t*>(datagram.data()),
+                  static_cast<int>(datagram.size()), 1);
+    return scene.feature.get() != nullptr;
+  };
+  EXPECT_FALSE(send("FEATURE"));
+  EXPECT_TRUE(send("LEFT_FEATURE"));
+}
+
 /// For arbitrary bytes there is no crash and no implausible data are accepted.
 TEST(Scene, BearsAnyBytes) {
   Scene scene;

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::config {
+
+/// Mapping `channels: {FT_WRENCH: LEFT_FT}` of a section `bus`: palpate's name of a channel, with
+/// the number of an arm or finger, and its name on the bus. Throws Error for a name that palpate
+/// does not know, one that is no channel name, and one that another channel has.
+bus::ChannelNames read_channel_names(const Node& bus);
+
+}  // namespace palpate::config
