@@ -52,6 +52,7 @@ struct SensorState {
     kReading,         // wrist reading, including the payload
     kWithoutPayload,  // wrist reading minus the payload's wrench
     kCounts,          // fingertip counts
+    kForce,           // force of a fingertip
   };
   Offset meaning = Offset::kUnknown;
   std::array<double, 24> offset{};  // N, N m; counts

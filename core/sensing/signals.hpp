@@ -57,6 +57,18 @@ struct BioTac {
   double tdc = 0;
 };
 
+/// Contact of a fingertip, in T.
+struct FingertipContact {
+  double time = 0;                                     // s, clock of the sender
+  bool touches = false;                                // false: place and normal are zero
+  Eigen::Vector3d place_T = Eigen::Vector3d::Zero();   // m
+  Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  // unit vector, out of the fingertip
+  Eigen::Vector3d force_T = Eigen::Vector3d::Zero();   // N, on the object
+  double place_deviation = -1;                         // m, of each axis; negative: not known
+  double force_deviation = -1;                         // N, likewise
+  double area = -1;                                    // m^2; negative: not known
+};
+
 struct ManualForce {
   Eigen::Vector3d rest_point_O = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
@@ -88,6 +100,7 @@ struct Signals {
   Stream<RobotState> robot;
   Stream<HandState, 4> hand;
   std::array<Stream<BioTac, 4>, 5> biotac;
+  std::array<Stream<FingertipContact, 4>, 5> fingertip;
   Stream<ManualForce, 4> manual;
   Stream<ShapeObservation, 1> observation;
   Stream<ObstacleState, 16> world;

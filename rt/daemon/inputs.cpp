@@ -4,6 +4,7 @@
 #include <cmath>
 #include <palpate/biotac_t.hpp>
 #include <palpate/channels.hpp>
+#include <palpate/fingertip_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_state_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -23,6 +24,10 @@ constexpr int kMostPerCycle = 64;
 
 constexpr std::array<const char*, 5> kBiotacChannels = {
     channel::kBiotac0, channel::kBiotac1, channel::kBiotac2, channel::kBiotac3, channel::kBiotac4};
+
+constexpr std::array<const char*, 5> kFingertipChannels = {
+    channel::kFingertip0, channel::kFingertip1, channel::kFingertip2, channel::kFingertip3,
+    channel::kFingertip4};
 
 /// By arm: force-torque, IMU, robot, hand.
 constexpr std::array<std::array<const char*, 4>, 2> kArmChannels = {
@@ -126,6 +131,28 @@ bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
   return true;
 }
 
+/// Deviations and area: known ones within what can be.
+bool convert(const fingertip_t& m, sensing::FingertipContact& out) noexcept {
+  constexpr double kFarthest = 0.5, kWidest = 1, kUnit = 1e-2;  // m, m^2
+  const Eigen::Map<const Eigen::Vector3d> place(m.place), normal(m.normal);
+  if (m.contact < 0 || m.contact > 1 || !all_plausible(m.force, 3)) return false;
+  out = {};
+  out.time = seconds(m.utime);
+  out.force_T = Eigen::Map<const Eigen::Vector3d>(m.force);
+  if (m.contact == 0) return true;
+  if (!(place.norm() <= kFarthest) || !(std::abs(normal.norm() - 1) <= kUnit) ||
+      !(m.place_deviation <= kFarthest) || !(m.force_deviation <= kLargest) || !(m.area <= kWidest))
+    return false;
+  out.touches = true;
+  out.place_T = place;
+  out.normal_T = normal.normalized();
+  constexpr double kUnknown = -1;
+  out.place_deviation = std::max(m.place_deviation, kUnknown);
+  out.force_deviation = std::max(m.force_deviation, kUnknown);
+  out.area = std::max(m.area, kUnknown);
+  return true;
+}
+
 /// A camera that does not see the object publishes zero points: no information on the shape, but a
 /// sign of life.
 bool convert(const shape_observation_t& m, sensing::ShapeObservation& out) noexcept {
@@ -158,6 +185,9 @@ bool same(const sensing::RobotState& a, const sensing::RobotState& b) noexcept {
 bool same(const sensing::BioTac& a, const sensing::BioTac& b) noexcept {
   return a.electrodes == b.electrodes && a.pac == b.pac && a.pdc == b.pdc && a.tac == b.tac &&
          a.tdc == b.tdc;
+}
+bool same(const sensing::FingertipContact& a, const sensing::FingertipContact& b) noexcept {
+  return a.touches == b.touches && a.place_T == b.place_T && a.force_T == b.force_T;
 }
 template <class Sample>
 bool same(const Sample&, const Sample&) noexcept {
@@ -312,6 +342,7 @@ Inputs::Channel& Inputs::add(bus::MessageBus& bus, const char* name, int depth, 
                              double frozen_after) {
   channels_.push_back(
       std::make_unique<ChannelOf<Message, Stream>>(bus, name, depth, stream, frozen_after, *this));
+  reported_.push_back({channels_.back().get(), nullptr});
   return *channels_.back();
 }
 
@@ -332,6 +363,13 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
   add<manual_force_t>(control, channel::kManualForce, 8, signals_[0].manual);
   for (std::size_t i = 0; i < kBiotacChannels.size(); ++i)
     add<biotac_t>(control, kBiotacChannels[i], 8, signals_[0].biotac[i], frozen_after.biotac);
+  const std::size_t first_finger = reported_.size() - kBiotacChannels.size();
+  for (std::size_t i = 0; i < kFingertipChannels.size(); ++i) {
+    const Channel& other = add<fingertip_t>(control, kFingertipChannels[i], 8,
+                                            signals_[0].fingertip[i], frozen_after.fingertip);
+    reported_.pop_back();
+    reported_[first_finger + i][1] = &other;
+  }
   add<shape_observation_t>(control, channel::kShapeObservation, 4, signals_[0].observation);
   add<world_state_t>(control, channel::kWorldState, 16, signals_[0].world);
   if (arms > 1) add_arm(control, 1, frozen_after);
@@ -355,6 +393,14 @@ bool Inputs::any_session_restarted() const noexcept {
   });
 }
 
-InputReport Inputs::report(int channel) const noexcept { return channels_[channel]->report(); }
+InputReport Inputs::report(int channel) const noexcept {
+  const auto& [first, other] = reported_[static_cast<std::size_t>(channel)];
+  const InputReport report = first->report();
+  if (other == nullptr) return report;
+  const InputReport others = other->report();
+  const auto is_heard = [](const InputReport& one) { return one.received + one.rejected > 0; };
+  if (others.age >= 0 && (report.age < 0 || others.age < report.age)) return others;
+  return is_heard(others) && !is_heard(report) ? others : report;
+}
 
 }  // namespace palpate::daemon

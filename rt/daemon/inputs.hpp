@@ -28,7 +28,8 @@ struct FrozenAfter {
   double force_torque = 0.5;
   double inertial = 0.5;
   double biotac = 0.5;
-  double robot = 0;  // encoders of a robot at rest may repeat their values
+  double fingertip = 0;  // processed contacts may repeat while nothing is touched
+  double robot = 0;      // encoders of a robot at rest may repeat their values
 };
 
 /// Converts sensor channels of the control bus to Signals; validates every message before use
@@ -53,11 +54,13 @@ class Inputs {
 
   /// Signals of arm 0 and of everything not assigned to an arm, or of arm 1.
   const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
-  int channel_count() const noexcept { return static_cast<int>(channels_.size()); }
+  int channel_count() const noexcept { return static_cast<int>(reported_.size()); }
   /// Access control of the signed channels: manual forces, obstacles.
   using Admissions = std::array<const bus::ReplayGuard*, 2>;
   Admissions admissions() const noexcept { return {&manual_admission_, &world_admission_}; }
-  InputReport report(int channel) const noexcept;  // the second arm's channels come last
+  /// The second arm's channels come last. Of a finger with two channels, BIOTAC_n and FINGERTIP_n,
+  /// the one with the latest message, since HEALTH holds 16 inputs.
+  InputReport report(int channel) const noexcept;
 
   /// True if a sensor, hand or robot of an arm has restarted by the last read(): stored information
   /// (offsets, poses) may be invalid.
@@ -76,7 +79,9 @@ class Inputs {
   std::array<sensing::Signals, 2> signals_;
   bus::ReplayGuard manual_admission_, world_admission_;
   const std::vector<std::string>* moved_ = nullptr;
-  std::vector<std::unique_ptr<Channel>> channels_;  // in the order of report()
+  std::vector<std::unique_ptr<Channel>> channels_;
+  /// In the order of report(): a channel, and for a finger that of another kind of sensor.
+  std::vector<std::array<const Channel*, 2>> reported_;
 };
 
 /// Detects messages of a different type, or a different version of it, on the channels of a bus.

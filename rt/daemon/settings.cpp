@@ -74,6 +74,7 @@ Settings read_settings(const config::Node& root) {
   read_frozen("force_torque", settings.frozen_after.force_torque);
   read_frozen("inertial", settings.frozen_after.inertial);
   read_frozen("biotac", settings.frozen_after.biotac);
+  read_frozen("fingertip", settings.frozen_after.fingertip);
   read_frozen("robot", settings.frozen_after.robot);
 
   const config::Node record = root.child_or_empty(

@@ -1,4 +1,5 @@
 #include "core/sensing/biotac_linear.hpp"
+#include "core/sensing/fingertip.hpp"
 #include "core/sensing/ft_newton_euler.hpp"
 #include "core/sensing/ft_tare_only.hpp"
 #include "core/sensing/manual.hpp"
@@ -34,6 +35,22 @@ OptionTable<FtNewtonEuler::Options> newton_euler_options() {
               &Options::cutoff)
       .number("sample_rate", "Hz", "Rate of FT_WRENCH, for the filter", {1, 1e5},
               &Options::sample_rate);
+}
+
+OptionTable<sensing::Fingertip::Options> fingertip_contact_options() {
+  using Options = sensing::Fingertip::Options;
+  return sensor_options<Options>()
+      .flag("tare_at_start", "Tare at the start and after a reset, during which nothing is touched",
+            &Options::tare_at_start)
+      .integer("finger", "Index of the fingertip: channel FINGERTIP_n", {0, 4}, &Options::finger)
+      .number("contact_force", "N", "Force above which a contact begins", {0, 100},
+              &Options::contact_force)
+      .number("release_force", "N",
+              "Force below which a contact ends; a contact that pulls more than that is not used",
+              {0, 100}, &Options::release_force)
+      .number("max_place_deviation_mm", "mm",
+              "Standard deviation of the place beyond which a contact is not used", {1e-3, 1000},
+              &Options::max_place_deviation, 1e-3);
 }
 
 std::unique_ptr<sensing::SensorModel> make_newton_euler(FtNewtonEuler::Options options,
@@ -143,7 +160,8 @@ plugin::SensorKind sensor_kind(const std::string& name, const Context& context) 
   if (const auto* entry = plugin::find_plugin(plugins_of(context).sensor_models, name))
     return entry->sensor;
   if (name.rfind("ft_", 0) == 0) return plugin::SensorKind::kWrist;
-  return name.rfind("biotac_", 0) == 0 ? plugin::SensorKind::kFinger : plugin::SensorKind::kOther;
+  return name.rfind("biotac_", 0) == 0 || name == "fingertip" ? plugin::SensorKind::kFinger
+                                                              : plugin::SensorKind::kOther;
 }
 
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
@@ -169,6 +187,8 @@ std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node
                  return make_biotac_linear(own, "model_file");
                })
           .add("biotac_lstm", "BioTac fingertip with a recurrent network", make_biotac_lstm)
+          .add("fingertip", "Fingertip whose sensor reports place, normal and force",
+               fingertip_contact_options(), from_options<sensing::Fingertip>())
           .add("manual", "Forces that a user sends",
                OptionTable<Manual::Options>()
                    .number("expires_after_ms", "ms",

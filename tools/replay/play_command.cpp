@@ -222,9 +222,10 @@ bool is_command(const std::string& channel) {
 }
 
 bool is_input(const std::string& channel) {
-  return matches(channel,
-                 "(FT_WRENCH|IMU|ROBOT_STATE|HAND_STATE)(_[0-9]+)?|BIOTAC_[0-9]|SHAPE_OBSERVATION|"
-                 "SHAPE_TARGET|MANUAL_FORCE|COMPONENT_COMMAND|TOUCH_REQUEST");
+  return matches(
+      channel,
+      "(FT_WRENCH|IMU|ROBOT_STATE|HAND_STATE)(_[0-9]+)?|(BIOTAC|FINGERTIP)_[0-9]|SHAPE_OBSERVATION|"
+      "SHAPE_TARGET|MANUAL_FORCE|COMPONENT_COMMAND|TOUCH_REQUEST");
 }
 
 std::string label_of(const std::string& log, std::string& file) {

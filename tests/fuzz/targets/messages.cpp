@@ -5,6 +5,7 @@
 #include <cmath>
 #include <palpate/biotac_t.hpp>
 #include <palpate/component_command_t.hpp>
+#include <palpate/fingertip_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_state_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -48,7 +49,8 @@ const std::vector<Kind>& kinds() {
                                         kind<shape_target_t>("SHAPE_TARGET"),
                                         kind<sim_tick_t>("SIM_TICK"),
                                         kind<shape_observation_t>("SHAPE_OBSERVATION"),
-                                        kind<touch_request_t>("TOUCH_REQUEST")};
+                                        kind<touch_request_t>("TOUCH_REQUEST"),
+                                        kind<fingertip_t>("FINGERTIP_0")};
   return all;
 }
 
@@ -103,6 +105,10 @@ void check(const sensing::Signals& signals) {
   require(
       signals.manual.latest.force_O.allFinite() && signals.manual.latest.rest_point_O.allFinite(),
       "manual force is finite");
+  const sensing::FingertipContact& tip = signals.fingertip[0].latest;
+  require(tip.place_T.allFinite() && tip.normal_T.allFinite() && tip.force_T.allFinite() &&
+              (!tip.touches || std::abs(tip.normal_T.norm() - 1) < 1e-9),
+          "the fingertip's contact is finite");
   const sensing::ShapeObservation& seen = signals.observation.latest;
   require(seen.count >= 0 && seen.count <= sensing::ShapeObservation::kMostPoints, "point count");
   require(seen.points_W.leftCols(seen.count).allFinite() && seen.deviation >= 0 &&
@@ -122,6 +128,9 @@ std::vector<std::string> seeds() {
   biotac_t touch{};
   touch.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC;
   touch.pac_count = 22;
+  fingertip_t tip{};
+  tip.contact = 1;
+  tip.normal[2] = 1;
   shape_observation_t cloud{};
   cloud.count = 3;
   cloud.deviation = 1e-3;
@@ -138,6 +147,7 @@ std::vector<std::string> seeds() {
           seed(12, shape_target_t{}),
           seed(14, cloud),
           seed(15, touch_request_t{}),
+          seed(16, tip),
           seed(1, imu_t{}, kWrongFingerprint) + seed(2, robot, kWrongSize)};
 }
 

@@ -10,6 +10,7 @@
 #include <palpate/discrepancy_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
+#include <palpate/fingertip_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_command_t.hpp>
 #include <palpate/hand_state_t.hpp>
@@ -53,6 +54,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(discrepancy_t{});
   visit(estimate_t{});
   visit(feature_t{});
+  visit(fingertip_t{});
   visit(ft_wrench_t{});
   visit(hand_command_t{});
   visit(hand_state_t{});

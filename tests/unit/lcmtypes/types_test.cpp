@@ -28,6 +28,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"discrepancy_t", 0x5aa5cdf84dff8d46},
     {"estimate_t", 0x90fa6341cc59c8f8},
     {"feature_t", 0xf23c7d64d85a9291},
+    {"fingertip_t", 0x34b9ee41d2edf592},
     {"ft_wrench_t", 0x9b49e504acb98a29},
     {"hand_command_t", 0x628acb59069e93ad},
     {"hand_state_t", 0x84fa12702593254e},
@@ -95,10 +96,10 @@ TEST(LcmTypes, EveryDefinitionIsListed) {
 template <typename... Types>
 constexpr bool kFixedSize = (std::is_trivially_copyable_v<Types> && ...);
 
-static_assert(
-    kFixedSize<ft_wrench_t, imu_t, robot_state_t, hand_state_t, biotac_t, shape_observation_t,
-               shape_target_t, manual_force_t, component_command_t, touch_request_t, sim_tick_t>,
-    "all that the daemon receives has a fixed size");
+static_assert(kFixedSize<ft_wrench_t, imu_t, robot_state_t, hand_state_t, biotac_t, fingertip_t,
+                         shape_observation_t, shape_target_t, manual_force_t, component_command_t,
+                         touch_request_t, sim_tick_t>,
+              "all that the daemon receives has a fixed size");
 static_assert(!kFixedSize<shape_t>, "the check recognises variable sizes");
 
 TEST(LcmTypes, FixedSizesFitOneDatagram) {

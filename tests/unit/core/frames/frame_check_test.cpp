@@ -38,7 +38,7 @@ TEST_F(FrameCheck, GravityDistinguishesAWrongMountingFromARightOne) {
   EXPECT_TRUE(contradicts());
 }
 
-TEST_F(FrameCheck, SaysNothingWhereItCannotTell) {
+TEST_F(FrameCheck, SaysNothingWithoutTheNeededSignals) {
   turn_mounting(2);
   ASSERT_TRUE(contradicts());
   EXPECT_FALSE(contradicts(false)) << "the flange is unknown";

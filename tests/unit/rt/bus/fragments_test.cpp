@@ -38,8 +38,8 @@ Bytes pattern(int size, int seed) {
 }
 
 /// A message in parts of at most `part` bytes.
-std::vector<Bytes> split(const std::string& channel, std::uint32_t sequence, const Bytes& payload,
-                         int part) {
+std::vector<Bytes> in_parts(const std::string& channel, std::uint32_t sequence,
+                            const Bytes& payload, int part) {
   const int size = static_cast<int>(payload.size()), parts = (size + part - 1) / part;
   std::vector<Bytes> datagrams;
   for (int i = 0; i < parts; ++i)
@@ -65,8 +65,8 @@ class Fragments : public ::testing::Test {
 TEST_F(Fragments, InAnyOrderAndOfSeveralSendersAreJoined) {
   const Bytes one = pattern(9'999, 1), two = pattern(9'999, 2);
   std::vector<std::pair<Bytes, int>> all;
-  for (const Bytes& d : split("POINT_CLOUD", 7, one, 700)) all.emplace_back(d, 1);
-  for (const Bytes& d : split("POINT_CLOUD", 7, two, 700)) all.emplace_back(d, 2);
+  for (const Bytes& d : in_parts("POINT_CLOUD", 7, one, 700)) all.emplace_back(d, 1);
+  for (const Bytes& d : in_parts("POINT_CLOUD", 7, two, 700)) all.emplace_back(d, 2);
   std::shuffle(all.begin(), all.end(), std::mt19937(3));
   int whole = 0;
   for (const auto& [datagram, sender] : all) {
@@ -102,16 +102,16 @@ TEST_F(Fragments, ThatAreTooLargeMalformedOrInconsistentAreDropped) {
 
 TEST_F(Fragments, OfMessagesWithoutAnEndMakeRoomForOthers) {
   const Bytes payload = pattern(300, 4);
-  for (std::uint32_t i = 0; i < 100; ++i) take(split("LOST", 100 + i, payload, 100)[1]);
+  for (std::uint32_t i = 0; i < 100; ++i) take(in_parts("LOST", 100 + i, payload, 100)[1]);
   Outcome last = Outcome::kDropped;
-  for (const Bytes& datagram : split("FOUND", 7, payload, 100)) last = take(datagram);
+  for (const Bytes& datagram : in_parts("FOUND", 7, payload, 100)) last = take(datagram);
   EXPECT_EQ(last, Outcome::kWhole);
   EXPECT_TRUE(is("FOUND", payload));
 }
 
 TEST_F(Fragments, AnyBytesStayWithinTheBound) {
   std::mt19937 random(5);
-  const std::vector<Bytes> good = split("A", 9, pattern(3'000, 6), 1'000);
+  const std::vector<Bytes> good = in_parts("A", 9, pattern(3'000, 6), 1'000);
   for (int i = 0; i < 20'000; ++i) {
     Bytes datagram = good[random() % good.size()];
     for (unsigned flips = random() % 4; flips > 0; --flips)

@@ -39,7 +39,7 @@ TEST(ChannelNames, OwnNamesFollowFromThoseOnTheBus) {
   const bus::ChannelNames names{{"FT_WRENCH", "LEFT_FT"}};
   EXPECT_EQ(bus::own_name(names, "LEFT_FT"), "FT_WRENCH");
   EXPECT_EQ(bus::own_name(names, "IMU"), "IMU");
-  EXPECT_EQ(bus::own_name(names, "FT_WRENCH"), "") << "somebody else's";
+  EXPECT_EQ(bus::own_name(names, "FT_WRENCH"), "") << "of another program";
   EXPECT_EQ(bus::own_name({}, "FT_WRENCH"), "FT_WRENCH");
 }
 

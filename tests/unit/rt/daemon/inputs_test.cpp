@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <palpate/biotac_t.hpp>
+#include <palpate/fingertip_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_state_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -112,6 +113,46 @@ TEST_F(InputsTest, ASensorThatRepeatsItselfGrowsOldUntilItMoves) {
   EXPECT_EQ(inputs.signals().force_torque.freshness, Freshness::kOld);
   second([](int i) { return 7.5 + i % 2; });
   EXPECT_LT(inputs.signals().force_torque.age, 2e-3);
+}
+
+TEST_F(InputsTest, ContactsOfFingertipsAreCheckedAndReportedInPlaceOfTheirBiotac) {
+  Inputs inputs(*bus_);
+  int seq = 0;
+  const auto is_accepted = [&](auto change) {
+    fingertip_t tip{};
+    tip.contact = 1;
+    tip.place[0] = 0.01 * (seq + 1);
+    tip.normal[2] = -1;
+    tip.force[2] = -2;
+    tip.place_deviation = tip.force_deviation = tip.area = -1;
+    change(tip);
+    send("FINGERTIP_3", tip, ++seq);
+    inputs.read(seq * std::int64_t{1'000'000}, 1e-3);
+    return inputs.signals().fingertip[3].fresh_count == 1;
+  };
+  const double nan = std::nan("");
+  EXPECT_TRUE(is_accepted([](fingertip_t&) {}));
+  const sensing::FingertipContact& contact = inputs.signals().fingertip[3].latest;
+  EXPECT_TRUE(contact.touches);
+  EXPECT_EQ(contact.place_T.x(), 0.01);
+  EXPECT_EQ(contact.force_T.z(), -2);
+  EXPECT_FALSE(is_accepted([](fingertip_t& tip) { tip.contact = 2; }));
+  EXPECT_FALSE(is_accepted([](fingertip_t& tip) { tip.normal[2] = -1.1; }));
+  EXPECT_FALSE(is_accepted([](fingertip_t& tip) { tip.place[1] = 0.6; })) << "not on a fingertip";
+  for (double fingertip_t::*number :
+       {&fingertip_t::place_deviation, &fingertip_t::force_deviation, &fingertip_t::area})
+    EXPECT_FALSE(is_accepted([&](fingertip_t& tip) { tip.*number = nan; }));
+  EXPECT_FALSE(is_accepted([&](fingertip_t& tip) { tip.force[0] = nan; }));
+  EXPECT_FALSE(is_accepted([&](fingertip_t& tip) { tip.place[0] = nan; }));
+  EXPECT_TRUE(is_accepted([&](fingertip_t& tip) {
+    tip.contact = 0;
+    tip.normal[2] = tip.place[0] = nan;  // not valid without a contact
+  }));
+  EXPECT_FALSE(inputs.signals().fingertip[3].latest.touches);
+  EXPECT_EQ(inputs.signals().fingertip[3].latest.place_T.norm(), 0);
+  EXPECT_EQ(report(inputs, "FINGERTIP_3").rejected, 8);
+  EXPECT_EQ(inputs.channel_count(), 12);
+  EXPECT_EQ(report(inputs, "BIOTAC_2").received, 0);
 }
 
 TEST_F(InputsTest, ARobotAtRestAndAGapAreNotFrozen) {

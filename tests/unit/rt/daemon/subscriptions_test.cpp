@@ -91,14 +91,15 @@ TEST_P(EveryConfiguration, SubscribesToNoTruth) {
   Daemon daemon(root, control, housekeeping, Mode::kDeterministic, 1);
   SteppedClock clock(control, 1);
 
-  const std::set<std::string> expected = {"FT_WRENCH",    "IMU",
-                                          "ROBOT_STATE",  "HAND_STATE",
-                                          "MANUAL_FORCE", "BIOTAC_0",
-                                          "BIOTAC_1",     "BIOTAC_2",
-                                          "BIOTAC_3",     "BIOTAC_4",
-                                          "SIM_TICK",     "COMPONENT_COMMAND",
-                                          "SHAPE_TARGET", "SHAPE_OBSERVATION",
-                                          "TOUCH_REQUEST"};
+  const std::set<std::string> expected = {"FT_WRENCH",     "IMU",
+                                          "ROBOT_STATE",   "HAND_STATE",
+                                          "MANUAL_FORCE",  "BIOTAC_0",
+                                          "BIOTAC_1",      "BIOTAC_2",
+                                          "BIOTAC_3",      "BIOTAC_4",
+                                          "SIM_TICK",      "COMPONENT_COMMAND",
+                                          "SHAPE_TARGET",  "SHAPE_OBSERVATION",
+                                          "TOUCH_REQUEST", "FINGERTIP_0",
+                                          "FINGERTIP_4"};
   const std::set<std::string> heard = control.channels();
   EXPECT_TRUE(std::includes(heard.begin(), heard.end(), expected.begin(), expected.end()));
   for (const RecordingBus* bus : {&control, &housekeeping}) {

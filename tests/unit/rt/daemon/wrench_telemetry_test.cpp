@@ -187,7 +187,7 @@ TEST_F(CompensatedWrench, GoesAndComesByTheConfiguredNamesOfChannels) {
   EXPECT_EQ(daemon_->inputs().report(0).received, 3);
 }
 
-TEST_F(CompensatedWrench, OfBothArmsBesideTheEstimate) {
+TEST_F(CompensatedWrench, OfBothArmsTogetherWithTheEstimate) {
   run("bar_two_hands.yaml");
   const math::Wrench contact{{1, 2, 3}, {0, 0, 0}};
   cycle(2, &contact, 2);

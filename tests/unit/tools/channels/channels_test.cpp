@@ -30,6 +30,7 @@ struct LeftOut {
 constexpr LeftOut kLeftOut[] = {
     {"view", channel::kFtWrench, "raw: CONTACTS and ESTIMATE show the wrenches"},
     {"view", channel::kImu, "raw: the arm moves by ROBOT_STATE"},
+    {"view", channel::kFingertip, "CONTACTS shows the contact"},
     {"view", channel::kShapeTarget, "FEATURE contains the target that is active"},
     {"view", channel::kComponentCommand, "COMPONENT_EVENT acknowledges it"},
     {"view", channel::kTouchRequest, "TOUCH acknowledges it"},
