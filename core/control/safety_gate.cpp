@@ -40,6 +40,14 @@ SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
   math::check_all_finite(limits.workspace_lower, "gate.workspace.lower");
   math::check_all_finite(limits.workspace_upper, "gate.workspace.upper");
   limits.check("gate.", 1e6);
+  math::check_not_negative(limits.linear_jerk, "gate.linear_jerk");
+  math::check_not_negative(limits.angular_jerk, "gate.angular_jerk");
+  if (limits.linear_jerk > 0)
+    linear_.emplace(
+        SmoothLimits{limits.linear_speed, limits.linear_acceleration, limits.linear_jerk});
+  if (limits.angular_jerk > 0)
+    angular_.emplace(
+        SmoothLimits{limits.angular_speed, limits.angular_acceleration, limits.angular_jerk});
 }
 
 GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
@@ -47,6 +55,9 @@ GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
 
   GateOutput output;
   const char* rejection = reason_to_reject(inputs);
+  if (!inputs.active || rejection != nullptr)
+    for (std::optional<SmoothAxes>* axes : {&linear_, &angular_})
+      if (*axes) (*axes)->rest();
   if (!inputs.active) {
     output.V_W_E = braked(dt);
     output.reason = "inactive";
@@ -65,8 +76,16 @@ GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
   }
   output.limited = output.V_W_E.linear != inputs.requested_W_E.linear ||
                    output.V_W_E.angular != inputs.requested_W_E.angular;
+  before_ = last_;
   last_ = output.V_W_E;
+  last_step_ = dt;
   return output;
+}
+
+void SafetyGate::replace_last(const math::Twist& V_W_E) noexcept {
+  last_ = V_W_E;
+  if (linear_) linear_->follow(before_.linear, last_.linear, last_step_);
+  if (angular_) angular_->follow(before_.angular, last_.angular, last_step_);
 }
 
 /// Reason for rejecting the request, or nullptr.
@@ -111,25 +130,45 @@ double SafetyGate::share_within(const math::Twist& V, const math::Pose& X_WE,
 /// Limits speed, then workspace, then acceleration. The last step moves from the old command,
 /// clamped to the bounds, towards the new one: both lie within the convex bounds, and so does every
 /// point between them.
-math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
-                                const char*& reason) const noexcept {
+math::Twist SafetyGate::limited(const GateInputs& inputs, double dt, const char*& reason) noexcept {
   math::Twist goal = limit_speed(inputs.requested_W_E, limits_.linear_speed, limits_.angular_speed);
   if (goal.linear != inputs.requested_W_E.linear || goal.angular != inputs.requested_W_E.angular) {
     reason = "speed";
   }
+  const math::Twist V{next_linear(goal.linear, inputs.X_WE, dt, reason),
+                      next_angular(goal.angular, dt)};
+  if (V.angular != goal.angular) reason = angular_ ? "acceleration or jerk" : "acceleration";
+  return V;
+}
 
-  const Walls walls = this->walls(inputs.X_WE, dt);
+Vector3d SafetyGate::next_linear(const Vector3d& goal, const math::Pose& X_WE, double dt,
+                                 const char*& reason) noexcept {
+  if (linear_) {
+    const Vector3d p = X_WE.translation();
+    bool at_wall = false;
+    const Vector3d V =
+        linear_->advance(last_.linear, goal, braked(dt).linear,
+                         {p - limits_.workspace_lower, limits_.workspace_upper - p}, dt, at_wall);
+    if (V != goal) reason = at_wall ? "workspace" : "acceleration or jerk";
+    return V;
+  }
+  const Walls walls = this->walls(X_WE, dt);
   const Vector3d &lower = walls.lower, &upper = walls.upper;
-  const Vector3d inside = goal.linear.cwiseMax(lower).cwiseMin(upper);
-  if (inside != goal.linear) reason = "workspace";
+  const Vector3d inside = goal.cwiseMax(lower).cwiseMin(upper);
+  if (inside != goal) reason = "workspace";
 
   const double reach = limits_.linear_acceleration * dt;
   const Vector3d base =
       step_towards(last_.linear, last_.linear.cwiseMax(lower).cwiseMin(upper), reach);
-  const math::Twist V{advance(last_.linear, base, inside, reach),
-                      step_towards(last_.angular, goal.angular, limits_.angular_acceleration * dt)};
-  if (V.linear != inside || V.angular != goal.angular) reason = "acceleration";
+  const Vector3d V = advance(last_.linear, base, inside, reach);
+  if (V != inside) reason = "acceleration";
   return V;
+}
+
+Vector3d SafetyGate::next_angular(const Vector3d& goal, double dt) noexcept {
+  if (!angular_) return step_towards(last_.angular, goal, limits_.angular_acceleration * dt);
+  bool at_wall = false;
+  return angular_->advance(last_.angular, goal, braked(dt).angular, {}, dt, at_wall);
 }
 
 /// Each axis ramps down independently: along a common line, an axis with a small share of the speed

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/control/control_law.hpp"
+#include "core/control/smooth_axes.hpp"
 
 namespace palpate::control {
 
@@ -17,6 +19,8 @@ inline double gate_step(double dt) noexcept {
 /// Limits of published commands, all for the flange E in W. `force`, `torque`: of the contact
 /// wrench, above which the hand stops.
 struct GateLimits : HandLimits {
+  double linear_jerk = 0;   // m/s^3; 0: not limited
+  double angular_jerk = 0;  // rad/s^3; 0: not limited
   GateLimits() {
     linear_speed = 0.10;
     force = 10.0;
@@ -48,6 +52,11 @@ struct GateOutput {
 ///
 /// - Speed limits scale the whole twist by one factor.
 /// - The change since the last command respects the acceleration limits.
+/// - With jerk limits, so does the change of the acceleration. Each axis then has 1 / sqrt(3) of
+/// the
+///   limits of acceleration and jerk, and brakes before a wall of the workspace in time within
+///   both. A stop is never delayed by them: while it ramps down, a command follows the profile
+///   below, and the next motion begins without acceleration.
 /// - The workspace acts as a velocity damper on each axis: the approach to a wall is limited by the
 ///   speed from which the acceleration limit can still stop; outside, only motion back is
 ///   permitted.
@@ -64,7 +73,7 @@ class SafetyGate {
   /// Largest factor in [0, 1] by which a twist satisfies the limits of speed and workspace.
   double share_within(const math::Twist& V_W_E, const math::Pose& X_WE, double dt) const noexcept;
   /// Replaces the last output, from which the next one continues.
-  void replace_last(const math::Twist& V_W_E) noexcept { last_ = V_W_E; }
+  void replace_last(const math::Twist& V_W_E) noexcept;
   const math::Twist& last() const noexcept { return last_; }
   /// Clears the latched overload of force and torque; for start and reset. The command continues
   /// from the last one, which may still be ramping down.
@@ -76,11 +85,17 @@ class SafetyGate {
   };
   Walls walls(const math::Pose& X_WE, double dt) const noexcept;
   const char* reason_to_reject(const GateInputs& inputs) noexcept;
-  math::Twist limited(const GateInputs& inputs, double dt, const char*& reason) const noexcept;
+  math::Twist limited(const GateInputs& inputs, double dt, const char*& reason) noexcept;
+  /// The next velocity of the origin towards `goal`, and of the rotation.
+  Eigen::Vector3d next_linear(const Eigen::Vector3d& goal, const math::Pose& X_WE, double dt,
+                              const char*& reason) noexcept;
+  Eigen::Vector3d next_angular(const Eigen::Vector3d& goal, double dt) noexcept;
   math::Twist braked(double dt) const noexcept;
 
   GateLimits limits_;
-  math::Twist last_;
+  std::optional<SmoothAxes> linear_, angular_;  // with a jerk limit
+  math::Twist last_, before_;                   // outputs of the last two steps
+  double last_step_ = 1e-3;                     // s
   bool overloaded_ = false;
 };
 

@@ -379,6 +379,10 @@ control::GateLimits read_gate_limits(const config::Node& root,
                   {1e-3, 100}, &Limits::linear_acceleration)
           .number("angular_acceleration", "rad/s^2", "Largest angular acceleration of E",
                   {1e-3, 100}, &Limits::angular_acceleration)
+          .number("linear_jerk", "m/s^3", "Largest jerk of the origin of E; 0: not limited",
+                  {0, 1e6}, &Limits::linear_jerk)
+          .number("angular_jerk", "rad/s^3", "Largest angular jerk of E; 0: not limited", {0, 1e6},
+                  &Limits::angular_jerk)
           .number("force", "N", "Contact force above which the hand is stopped", {0.01, 1e4},
                   &Limits::force)
           .number("torque", "N m", "Contact torque above which the hand is stopped", {0.01, 1e3},

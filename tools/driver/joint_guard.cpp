@@ -2,6 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+
+#include "core/math/axis_motion.hpp"
 
 namespace palpate::driver {
 namespace {
@@ -21,6 +24,7 @@ JointGuard::JointGuard(const kinematics::SerialChain& chain, const Options& opti
     : chain_(chain), options_(options) {
   wanted_.setZero(chain.joint_count());
   sent_.setZero(chain.joint_count());
+  gained_.setZero(chain.joint_count());
 }
 
 void JointGuard::follow(const math::Twist& V_W_E, const Joints& q) {
@@ -49,6 +53,25 @@ void JointGuard::slow_down_near_ends(const Joints& q) {
   wanted_ *= share;
 }
 
+/// Towards wanted_, with the jerk limit.
+void JointGuard::change_smoothly() {
+  const math::AxisLimits limits{options_.acceleration, options_.jerk};
+  const double dt = options_.period, step = options_.acceleration * dt;
+  for (int i = 0; i < wanted_.size(); ++i) {
+    const double v = sent_[i], way = wanted_[i] - v;
+    if (std::abs(wanted_[i]) > std::abs(v) && v * wanted_[i] >= 0) {
+      const double a = math::acceleration_towards(way, gained_[i], limits, dt);
+      // a command that has fallen takes effect at once
+      gained_[i] = std::abs(a * dt) > std::abs(way) ? way / dt : a;
+      sent_[i] += gained_[i] * dt;
+    } else {
+      const double back = v * wanted_[i] < 0 ? -v : way;  // rests before it turns round
+      sent_[i] += std::clamp(back, -step, step);
+      gained_[i] = 0;
+    }
+  }
+}
+
 const Joints& JointGuard::limit(const Command& command, const Joints& q) {
   switch (command.kind) {
     case Command::Kind::kStop:
@@ -62,6 +85,10 @@ const Joints& JointGuard::limit(const Command& command, const Joints& q) {
       break;
   }
   slow_down_near_ends(q);
+  if (options_.jerk > 0) {
+    change_smoothly();
+    return sent_;
+  }
   const double step = options_.acceleration * options_.period;
   // Individually: a joint that brakes before its limit must not wait for the others.
   sent_ += (wanted_ - sent_).cwiseMax(-step).cwiseMin(step);

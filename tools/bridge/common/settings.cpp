@@ -38,18 +38,21 @@ std::string read_control_url(const config::Node& bus) {
 
 driver::JointGuard::Options read_guard(const config::Node& root) {
   using Options = driver::JointGuard::Options;
-  const auto table = config::OptionTable<Options>()
-                         .number("linear_speed", "m/s", "largest speed of the flange", {1e-4, 2},
-                                 &Options::linear_speed)
-                         .number("angular_speed", "rad/s", "largest angular speed of the flange",
-                                 {1e-4, 6}, &Options::angular_speed)
-                         .number("speed_share", "",
-                                 "fraction of the joints' speed limits in the URDF that is used",
-                                 {0.01, 1}, &Options::speed_share)
-                         .number("acceleration", "rad/s^2", "largest acceleration of every joint",
-                                 {0.1, 20}, &Options::acceleration)
-                         .number("margin", "rad", "margin to both position limits of every joint",
-                                 {0, 0.5}, &Options::margin);
+  const auto table =
+      config::OptionTable<Options>()
+          .number("linear_speed", "m/s", "largest speed of the flange", {1e-4, 2},
+                  &Options::linear_speed)
+          .number("angular_speed", "rad/s", "largest angular speed of the flange", {1e-4, 6},
+                  &Options::angular_speed)
+          .number("speed_share", "",
+                  "fraction of the joints' speed limits in the URDF that is used", {0.01, 1},
+                  &Options::speed_share)
+          .number("acceleration", "rad/s^2", "largest acceleration of every joint", {0.1, 20},
+                  &Options::acceleration)
+          .number("jerk", "rad/s^3", "largest jerk of every joint that speeds up; 0: not limited",
+                  {0, 1e5}, &Options::jerk)
+          .number("margin", "rad", "margin to both position limits of every joint", {0, 0.5},
+                  &Options::margin);
   return root.child_or_empty({"guard", "", "limits of the arm's motion"}).read(table);
 }
 

@@ -56,6 +56,68 @@ TEST(JointGuard, TooFastATwistIsSlowerInTheSameDirection) {
   EXPECT_GT(v.normalized().z(), 0.99);
 }
 
+class SmoothGuard : public ::testing::Test {
+ protected:
+  static JointGuard::Options options() {
+    JointGuard::Options options;
+    options.jerk = 50;
+    return options;
+  }
+  static Command joints(double speed) {
+    Command command;
+    command.kind = Command::Kind::kJoints;
+    command.dq = Joints::Constant(7, speed);
+    return command;
+  }
+  JointGuard guard_{chain(), options()}, plain_{chain(), {}};
+  const Joints q_ = bent(7);
+};
+
+TEST_F(SmoothGuard, SpeedsUpByTheSCurveOfItsLimits) {
+  // 0.6 / 5 + 5 / 50 s
+  double v = 0, a = 0, jerk = 0, acceleration = 0;
+  int cycles = 0;
+  while (v < 0.6 - 1e-12 && cycles < 1000) {
+    const double next = guard_.limit(joints(0.6), q_)[2];
+    ASSERT_LE(next, 0.6 + 1e-12);
+    jerk = std::max(jerk, std::abs((next - v) / 1e-3 - a) / 1e-3);
+    a = (next - v) / 1e-3;
+    acceleration = std::max(acceleration, a);
+    v = next;
+    ++cycles;
+  }
+  EXPECT_NEAR(cycles * 1e-3, 0.22, 2e-3);
+  EXPECT_LE(jerk, 50 * (1 + 1e-6));
+  EXPECT_NEAR(acceleration, 5, 1e-6);
+}
+
+TEST_F(SmoothGuard, DelaysNoStopAndIsNeverFasterThanWithoutAJerkLimit) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> number(-0.8, 0.8);
+  Command command = joints(0), stop;
+  stop.kind = Command::Kind::kStop;
+  double before = 0, gained = 0;
+  for (int i = 0; i < 20000; ++i) {
+    if (i % 73 == 0) command = joints(number(random));
+    const bool stops = i % 500 > 350;
+    const Command& now = stops ? stop : command;
+    const double plain = plain_.limit(now, q_)[0], smooth = guard_.limit(now, q_)[0];
+    const double a = (smooth - before) / 1e-3;
+    ASSERT_LE(std::abs(a), 5 * (1 + 1e-9));
+    const bool speeds_up = std::abs(smooth) > std::abs(before);
+    if (speeds_up) {
+      ASSERT_LE(std::abs(a) - gained, 50 * 1e-3 * (1 + 1e-6)) << i;
+    }
+    gained = speeds_up ? std::abs(a) : 0;
+    if (stops && i % 500 > 351) {
+      const double braked = std::max(0.0, std::abs(before) - 5e-3);
+      ASSERT_NEAR(std::abs(smooth), braked, 1e-12) << "the stop without a jerk limit";
+    }
+    before = smooth;
+    static_cast<void>(plain);
+  }
+}
+
 /// For any command of any duration, no limit is exceeded.
 TEST(JointGuard, KeepsEveryLimit) {
   const kinematics::SerialChain arm = chain();
