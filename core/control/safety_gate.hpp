@@ -53,8 +53,7 @@ struct GateOutput {
 /// - Speed limits scale the whole twist by one factor.
 /// - The change since the last command respects the acceleration limits.
 /// - With jerk limits, so does the change of the acceleration. Each axis then has 1 / sqrt(3) of
-/// the
-///   limits of acceleration and jerk, and brakes before a wall of the workspace in time within
+///   the limits of acceleration and jerk, and brakes before a wall of the workspace in time within
 ///   both. A stop is never delayed by them: while it ramps down, a command follows the profile
 ///   below, and the next motion begins without acceleration.
 /// - The workspace acts as a velocity damper on each axis: the approach to a wall is limited by the

@@ -6,10 +6,10 @@ namespace palpate::driver {
 
 /// Turns the requested motion into joint velocities within all limits. Speeds of all joints are
 /// scaled equally, so that the hand keeps its direction. The jerk limit makes joints speed up
-/// smoothly: the acceleration grows by at most jerk * period in a cycle, and falls as much towards a
-/// constant command. Braking follows the command within the acceleration limit, so that a stop, which
-/// palpated's gate also sends as a falling command, is never delayed. Keep this class too, in addition to your
-/// arm's own safety functions.
+/// smoothly: the acceleration grows by at most jerk * period in a cycle, and falls as much towards
+/// a constant command. Braking follows the command within the acceleration limit, so that a stop,
+/// which palpated's gate also sends as a falling command, is never delayed. Keep this class too, in
+/// addition to your arm's own safety functions.
 class JointGuard {
  public:
   struct Options {
