@@ -11,16 +11,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDt = 1e-3;
+constexpr double kCycle = 1e-3;
 constexpr double kRounding = 1 + 1e-9;
 
 /// Observes a sequence of velocities for their limits.
 struct Observer {
   void take(const Vector3d& v) {
-    const Vector3d a = (v - v_) / kDt;
+    const Vector3d a = (v - v_) / kCycle;
     speed = std::max(speed, v.norm());
     acceleration = std::max(acceleration, a.norm());
-    jerk = std::max(jerk, (a - a_).norm() / kDt);
+    jerk = std::max(jerk, (a - a_).norm() / kCycle);
     v_ = v;
     a_ = a;
   }
@@ -37,15 +37,15 @@ TEST(AxisMotion, ReachesAVelocityAsTheSCurveOfItsLimitsDoes) {
     double v = 0, a = 0;
     int steps = 0;
     while (v != goal && steps < 1000) {
-      EXPECT_GE(math::coasting_velocity(v, a, limits, kDt), v - 1e-15);
-      EXPECT_LE(math::coasting_velocity(v, a, limits, kDt), goal + 1e-12);
-      a = math::acceleration_towards(goal - v, a, limits, kDt);
-      v += a * kDt;
+      EXPECT_GE(math::coasting_velocity(v, a, limits, kCycle), v - 1e-15);
+      EXPECT_LE(math::coasting_velocity(v, a, limits, kCycle), goal + 1e-12);
+      a = math::acceleration_towards(goal - v, a, limits, kCycle);
+      v += a * kCycle;
       ++steps;
       if (std::abs(v - goal) < 1e-12) v = goal;
     }
-    EXPECT_NEAR(steps * kDt, seconds, 3 * kDt) << goal;
-    EXPECT_NEAR(a, 0, limits.jerk * kDt * kRounding) << "arrives without a jolt";
+    EXPECT_NEAR(steps * kCycle, seconds, 3 * kCycle) << goal;
+    EXPECT_NEAR(a, 0, limits.jerk * kCycle * kRounding) << "arrives without a jolt";
   }
 }
 
@@ -79,7 +79,7 @@ TEST(SmoothAxes, NeverExceedSpeedAccelerationAndJerkWhateverTheGoals) {
     if (random.uniform(0, 1) < (i < 30'000 ? 0.5 : 0.01))
       goal = limits.speed * random.uniform(0.2, 1) *
              Vector3d(random.normal(), random.normal(), random.normal()).normalized();
-    v = axes.advance(v, goal, v, {}, kDt, at_wall);
+    v = axes.advance(v, goal, v, {}, kCycle, at_wall);
     observer.take(v);
   }
   EXPECT_LE(observer.speed, limits.speed * kRounding);
@@ -103,8 +103,8 @@ TEST(SmoothAxes, StopBeforeWallsWithinTheLimitOfJerk) {
             limits.speed * Vector3d(random.normal(), random.normal(), random.normal()).normalized();
       bool at_wall = false;
       const Room room{p.array() + 0.1, 0.1 - p.array()};
-      v = axes.advance(v, goal, Vector3d::Constant(1e3), room, kDt, at_wall);
-      p += kDt * v;
+      v = axes.advance(v, goal, Vector3d::Constant(1e3), room, kCycle, at_wall);
+      p += kCycle * v;
       observer.take(v);
       beyond = std::max(beyond, p.cwiseAbs().maxCoeff() - 0.1);
       nearest = std::min(nearest, 0.1 - p.cwiseAbs().maxCoeff());
@@ -127,7 +127,7 @@ class JerkLimitedGate : public ::testing::Test {
   }
   GateInputs inputs() const {
     GateInputs inputs;
-    inputs.dt = kDt;
+    inputs.dt = kCycle;
     inputs.active = true;
     inputs.requested_W_E = {{0.08, 0, 0.03}, {0, 0.4, 0}};
     inputs.X_WE.translation() << 0.5, 0, 0.5;
@@ -185,7 +185,7 @@ TEST_F(JerkLimitedGate, AHandThatCannotStopBeforeItsWallBrakesByTheStopProfile) 
   for (int i = 0; i < 1000; ++i) gate_.apply(in);
   in.X_WE.translation().x() = 0.9999;  // displaced to 0.1 mm from the wall
   double& x = in.X_WE.translation().x();
-  for (int i = 0; i < 100; ++i) x += kDt * gate_.apply(in).V_W_E.linear.x();
+  for (int i = 0; i < 100; ++i) x += kCycle * gate_.apply(in).V_W_E.linear.x();
   EXPECT_EQ(gate_.last().linear.x(), 0);
   EXPECT_LT(x, 1.005);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(gate_.apply(in).V_W_E.linear.x(), 0) << "beyond it";
