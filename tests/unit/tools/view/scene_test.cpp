@@ -180,6 +180,7 @@ TEST(Scene, ChannelsHaveOtherNamesOnTheBus) {
     datagram.append(payload.begin(), payload.end());
     source.handle(scene, reinterpret_cast<const std::uint8_t*>(datagram.data()),
                   static_cast<int>(datagram.size()), 1);
+    scene.refresh();
     return scene.feature.get() != nullptr;
   };
   EXPECT_FALSE(send("FEATURE"));
