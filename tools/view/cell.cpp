@@ -10,7 +10,7 @@ const std::vector<SlotChoices>& slot_choices() {
        true,
        {{"component",
          {"ft_newton_euler", "ft_rnnob", "ft_tare_only", "biotac_linear", "biotac_lstm",
-          "manual"}}}},
+          "fingertip", "manual"}}}},
       {"contact", true, {{"component", {"area_coordinates", "wrench_patch"}}}},
       {"estimation",
        false,
