@@ -109,7 +109,7 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
     add(contact_hash_, message);
   } else if (channel == channel::kWrenchCompensated) {
     check(compensated_wrench_t());
-    add(hash_, message);
+    add(contact_hash_, message);  // also has the sender's clock
   } else if (channel == channel::kEstimate) {
     check(estimate_t());
     add(hash_, message);
