@@ -13,6 +13,8 @@ struct Box {
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();  // m
 };
 
+inline constexpr config::Range kAnywhere{-100, 100};  // m, in a robot cell
+
 /// `frame`: "in W", for the descriptions.
 inline config::OptionTable<Box> box_options(const std::string& frame, config::Range range = {}) {
   return config::OptionTable<Box>()

@@ -15,7 +15,7 @@
 #include "tools/fit/held/held_plan_report.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/report.hpp"
-#include "tools/fit/simulators/export_command.hpp"
+#include "tools/fit/simulators/simulator_files.hpp"
 
 namespace {
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Sequence
+from typing import Sequence
 
-SOURCE = Path(os.environ["PALPATE_SOURCE_DIR"])
-BIN = Path(os.environ["PALPATE_BIN_DIR"])
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bridge"))
+
+from steered_arm import BIN, SOURCE, wait_for  # noqa: E402
+
 URDF = SOURCE / "tools/bridge/franka/examples/fr3.urdf"
 IDLE, MOVING, REFLEX, USER_STOPPED = 1, 2, 4, 5  # robot_mode
-PATIENCE = 40.0  # s
 # rad: the flange where the hand of bar_long_soft.yaml holds the bar.
 HOLDING = (0.96765466, 1.36207806, -1.36894402, -2.1085352, 0.05533854, 4.26902917, -1.87965578)
 
@@ -61,11 +62,3 @@ class MockArm:
         begin = time.monotonic()
         wait_for(lambda: self.state().speed < 1e-3, "the arm rests")
         return time.monotonic() - begin
-
-
-def wait_for(condition: Callable[[], bool], what: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > end:
-            raise AssertionError(f"not within {PATIENCE:g} s: {what}")
-        time.sleep(0.001)

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import random
 import sys
 import threading
-import time
-import unittest
 from pathlib import Path
-from typing import Callable
 
-SOURCE = Path(os.environ["PALPATE_SOURCE_DIR"])
-sys.path.insert(0, str(SOURCE / "tools/lab/worlds"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bridge"))
 
+from steered_arm import wait_for  # noqa: E402  first: finds the next
+
+# isort: split
 from rtde_server import Servers  # noqa: E402
 from ur_controller import Controller  # noqa: E402
 
-PATIENCE = 40.0  # s
 # rad: the flange where the hand of bar_long_soft.yaml holds the bar.
 HOLDING = (0.2752826172, -2.1443954204, -1.9052753196, 0.9080780819, 1.2955137063, 1.5707963284)
 
@@ -48,18 +45,3 @@ class SimulatedUr:
         begin = self.controller.time
         wait_for(lambda: self.controller.speed < 1e-3, "the arm rests")
         return self.controller.time - begin
-
-
-def wait_for(condition: Callable[[], bool], what: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > end:
-            raise AssertionError(f"not within {PATIENCE:g} s: {what}")
-        time.sleep(0.001)
-
-
-def holds(test: unittest.TestCase, condition: Callable[[], bool], seconds: float, what: str) -> None:
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        test.assertTrue(condition(), what)
-        time.sleep(0.002)

@@ -2,86 +2,32 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-import time
 import unittest
-from pathlib import Path
 
-from simulated_ur import SOURCE, SimulatedUr, holds, wait_for  # first: finds the next
+from simulated_ur import SimulatedUr  # first: finds the next
 
 # isort: split
 import numpy as np
-import palpate
-from live_run import Program, private_urls
-from palpate.messages import feature_t, robot_state_t
+from steered_arm import SOURCE, STOP, SteeredArm, holds, wait_for
 from ur_controller import PLAYING, flange_pose
 
-BIN = Path(os.environ["PALPATE_BIN_DIR"])
-REST_POINT = (0.25, 0.03, 0.06)
-STOP = 0.1  # s
-# Of a machine that other programs load: lateness neither degrades nor stops.
-PATIENT = ["loop.degraded_after_ms=9000", "loop.overrun_window_ms=10000", "loop.safe_stop_after_ms=9000"]
 
+class Steering(SteeredArm):
+    program = "palpate-ur"
 
-class Steering(unittest.TestCase):
     def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.ur = SimulatedUr(hand=4.8)
         self.addCleanup(self.ur.close)
         self.controller = self.ur.controller
-        self.control, self.housekeeping = private_urls(2)
-        (self.folder / "ur.yaml").write_text(
+        self.start(
             f"robot: {{host: {self.ur.address}, urdf: {SOURCE}/tools/bridge/ur/examples/ur5e.urdf,"
-            f" watchdog_ms: 60}}\nbus: {{control: '{self.control}'}}\nwrench: {{source: ft300}}\n"
+            f" watchdog_ms: 60}}\nbus: {{control: '{self.control}'}}\nwrench: {{source: ft300}}\n",
+            ["sensing.0.payload={mass: 4.8, center_of_mass: [0, 0, 0.1]}"],
         )
-        self.bridge = self.start_bridge()
-        sets = [f"bus.control={self.control}", f"bus.housekeeping={self.housekeeping}", *PATIENT]
-        sets += ["sensing.0.payload={mass: 4.8, center_of_mass: [0, 0, 0.1]}"]
-        configuration = SOURCE / "rt/config/examples/bar_long_soft.yaml"
-        words = [word for text in sets for word in ("--set", text)]
-        self.palpated = Program(
-            "palpated", [BIN / "palpated", "--config", configuration, *words], self.folder
-        )
-        self.addCleanup(self.palpated.end)
-        self.palpated.wait_for("waits for start")
-        self.states: "list[robot_state_t]" = []
-        self.features: "list[feature_t]" = []
-        self.bus = palpate.Bus(self.control)
-        self.addCleanup(self.bus.close)
-        self.bus.subscribe("ROBOT_STATE", self.states.append)
-        self.bus.subscribe("FEATURE", self.features.append)
-        self.daemon = palpate.Daemon(self.control, self.housekeeping, timeout=30)
-        self.addCleanup(self.daemon.close)
 
-    def start_bridge(self) -> Program:
-        bridge = Program("palpate-ur", [BIN / "palpate-ur", "--config", self.folder / "ur.yaml"], self.folder)
-        self.addCleanup(bridge.end)
-        bridge.wait_for("connected")
-        return bridge
-
-    def move(self, height: float) -> None:
-        """Until the arm moves: stops and starts palpated, as after any stop, and again where a
-        loaded machine has stopped it meanwhile.
-        """
-
-        def moves() -> bool:
-            self.daemon.stop()
-            wait_for(lambda: self.controller.speed < 1e-3, "the arm rests")
-            self.daemon.start()
-            self.daemon.target("point", (0.25, 0.03, 0.06 + height), points=[REST_POINT])
-            end = time.monotonic() + 3
-            while self.controller.speed < 0.01 and time.monotonic() < end:
-                time.sleep(0.001)
-            return self.controller.speed >= 0.01
-
-        wait_for(moves, f"the arm moves; {self.bridge.output()}")
-
-    def latest(self, messages: "list") -> object:
-        self.bus.drain()
-        return messages[-1]
+    def speed(self) -> float:
+        return self.controller.speed
 
     def distance(self) -> float:
         """m, of the estimated point from its target."""

@@ -1,5 +1,3 @@
-#include "tools/fit/simulators/export_command.hpp"
-
 #include <filesystem>
 #include <fstream>
 #include <functional>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <ostream>
 
 #include "tools/fit/simulators/soft_object.hpp"
@@ -24,6 +25,10 @@ void write_sofa(const SoftObject& object, const std::string& mesh_file, std::ost
 
 /// The mesh in VTK's legacy format, which Drake and SOFA read.
 void write_vtk(const SoftObject& object, std::ostream& out);
+
+/// Adds the command `export`, which writes a configuration's object as these files. `code` becomes
+/// its exit code once it has run. It throws config::Error and std::runtime_error.
+void add_export_command(CLI::App& app, int& code);
 
 /// Lines on the source of a file, and what it leaves out.
 std::vector<std::string> remarks(const SoftObject& object);
