@@ -17,6 +17,14 @@ constexpr std::int64_t kLongestWait = 20'000;  // us, for a message on the contr
 
 }  // namespace
 
+const char* name_of_state(const health_t& health) noexcept {
+  constexpr const char* kNames[] = {"unconfigured", "inactive", "active",
+                                    "degraded",     "faulted",  "finalized"};
+  return health.state >= 0 && health.state < static_cast<int>(std::size(kNames))
+             ? kNames[health.state]
+             : "unknown";
+}
+
 Client::Client(bus::MessageBus& control, bus::MessageBus& housekeeping, const bus::Access& access,
                std::int64_t session)
     : control_(control),

@@ -23,6 +23,9 @@
 
 namespace palpate::client {
 
+/// unconfigured, inactive, active, degraded, faulted, finalized; "unknown" for any other number.
+const char* name_of_state(const health_t& health) noexcept;
+
 /// Answer of the daemon to a command or target.
 struct Answer {
   std::string event;   // as in COMPONENT_EVENT; empty: none in time

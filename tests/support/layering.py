@@ -64,7 +64,7 @@ ALLOWED = {
     "tools/replay": "core/math rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log "
                     "tools/record",
     "tools/serve": "rt/bus",
-    "tools/top": "rt/loop rt/config tools/common tools/record tools/types",
+    "tools/top": "rt/loop rt/client rt/config tools/common tools/record tools/types",
     "tools/types": "",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity core/sensing rt/bus rt/client rt/config rt/registry "

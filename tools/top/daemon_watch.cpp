@@ -39,14 +39,6 @@ const std::array<const char*, kPhases> kPhaseNames = {"all",        "read",    "
                                                       "estimation", "feature", "control", "gate",
                                                       "publish",    "wake-up"};
 
-const char* state_name(int state) noexcept {
-  constexpr std::array<const char*, 6> kNames = {"unconfigured", "inactive", "active",
-                                                 "degraded",     "faulted",  "finalized"};
-  return state >= 0 && state < static_cast<int>(kNames.size())
-             ? kNames[static_cast<std::size_t>(state)]
-             : "unknown";
-}
-
 std::string printable(const std::uint8_t* field, int size) {
   std::string text;
   for (int i = 0; i < size && field[i] != 0; ++i)

@@ -17,8 +17,6 @@ namespace palpate::top {
 inline constexpr int kPhases = 10;
 /// In the order of health_t.
 extern const std::array<const char*, kPhases> kPhaseNames;
-/// unconfigured, inactive, active, degraded, faulted, finalized; "unknown" for any other number.
-const char* state_name(int state) noexcept;
 
 /// Text of a char array of a message, as far as it is printable.
 std::string printable(const std::uint8_t* field, int size);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "rt/client/client.hpp"
 #include "tools/common/discrepancy_text.hpp"
 #include "tools/common/table.hpp"
 
@@ -110,9 +111,9 @@ void add_discrepancy(const View& view, std::vector<Line>& lines) {
 void add_state(const View& view, const health_t& health, std::vector<Line>& lines) {
   const double silent = view.daemon->health_age(view.now_ns);
   const std::string reason = printable(health.reason, sizeof(health.reason));
-  lines.push_back(
-      {std::string("palpated: ") + state_name(health.state) + (reason.empty() ? "" : ": " + reason),
-       tone_of(health.state)});
+  lines.push_back({std::string("palpated: ") + client::name_of_state(health) +
+                       (reason.empty() ? "" : ": " + reason),
+                   tone_of(health.state)});
   if (silent > 1) lines.push_back({"silent for " + age(silent), Tone::kBad});
   const int daemons = view.daemon->daemons(view.now_ns);
   if (daemons > 1) {
@@ -215,7 +216,7 @@ const char* colour(Tone tone) {
 }
 
 nlohmann::json json_of(const health_t& health) {
-  nlohmann::json json = {{"state", state_name(health.state)},
+  nlohmann::json json = {{"state", client::name_of_state(health)},
                          {"reason", printable(health.reason, sizeof(health.reason))},
                          {"cycles", health.cycles},
                          {"overruns", health.overruns},
