@@ -133,7 +133,12 @@ void BridgedArm::command(const Joints& dq) {
   }
   protocol_->advance(dq, 1e-9 * static_cast<double>(step_ns));
   if (rests && now_ns < foreign_until_ns_) {
-    // Two masters would fight each other: this one has slowed down, and leaves the arm.
+    // Two masters would fight each other: this one has slowed down, and leaves the arm, which may
+    // follow the last command for ever.
+    if (is_commanding_ && protocol_->is_stopped_by_command()) {
+      protocol_->send(dq, options_.wall_clock());
+      ++counts_.commands;
+    }
     is_commanding_ = false;
     return;
   }

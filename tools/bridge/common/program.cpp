@@ -1,9 +1,11 @@
 #include "program.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <thread>
 
 #include "tools/common/program.hpp"
 
@@ -56,6 +58,17 @@ void run(driver::Driver& cell, bus::MessageBus& control, const BridgedArm& arm,
   std::printf("%lld states, %lld rejected, %lld absences of the arm's driver, %lld commands\n",
               static_cast<long long>(counts.statuses), static_cast<long long>(counts.rejected),
               static_cast<long long>(counts.absences), static_cast<long long>(counts.commands));
+}
+
+void run(bus::MessageBus& control, const std::function<void(std::int64_t utime)>& each) {
+  control.start_without_thread();
+  auto next = std::chrono::steady_clock::now();
+  while (ended == 0) {
+    control.receive(0);
+    each(bus::wall_clock_us());
+    next = std::max(next + std::chrono::milliseconds(1), std::chrono::steady_clock::now());
+    std::this_thread::sleep_until(next);
+  }
 }
 
 }  // namespace palpate::bridge

@@ -27,4 +27,8 @@ void run(driver::Driver& cell, bus::MessageBus& control, const BridgedArm& arm,
          const std::function<void(std::int64_t utime)>& also = {},
          const std::function<void(std::int64_t until_ns)>& wait = {});
 
+/// Without an arm: calls `each` with the wall clock, us, in cycles of 1 ms until a signal, after
+/// the bus has received, which this starts.
+void run(bus::MessageBus& control, const std::function<void(std::int64_t utime)>& each);
+
 }  // namespace palpate::bridge

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/math/rigid.hpp"
-#include "rt/bus/shape_chunks.hpp"
+#include "tools/bridge/common/surface.hpp"
 
 namespace palpate::drake_bridge {
 
@@ -30,18 +30,8 @@ class ShapeView {
   const ::drake::lcmt_viewer_link_data& message() const { return message_; }
 
  private:
-  bool draw(const shape_t& shape);
-  void number(const shape_mesh_t& mesh);
-
-  Options options_;
-  bus::MeshAssembler meshes_;
-  bus::ShapeAssembler shapes_;
+  bridge::Surface surface_;
   ::drake::lcmt_viewer_link_data message_{};
-  std::int64_t mesh_hash_ = 0, node_count_ = 0;
-  bool has_mesh_ = false;
-  std::vector<std::int32_t> nodes_;  // of the surface's vertices
-  std::int64_t drawn_us_ = 0;
-  bool has_drawn_ = false;
 };
 
 }  // namespace palpate::drake_bridge

@@ -7,6 +7,7 @@
 #include <drake/lcmt_panda_command_v1.hpp>
 #include <drake/lcmt_panda_status.hpp>
 #include <drake/lcmt_panda_status_v1.hpp>
+#include <drake/lcmt_point_cloud.hpp>
 #include <drake/lcmt_schunk_wsg_command.hpp>
 #include <drake/lcmt_schunk_wsg_status.hpp>
 #include <drake/lcmt_viewer_link_data.hpp>
@@ -32,6 +33,7 @@ TEST(DrakeTypes, HaveTheFingerprintsOfDrake) {
   EXPECT_EQ(own_hash<drake::lcmt_schunk_wsg_status>(), 0x7635771fe2d72309);
   EXPECT_EQ(own_hash<drake::lcmt_schunk_wsg_command>(), 0x22a9de0dffa4c90b);
   EXPECT_EQ(own_hash<drake::lcmt_force_torque>(), 0xb990321c992db2e2);
+  EXPECT_EQ(static_cast<std::uint64_t>(drake::lcmt_point_cloud::getHash()), 0x17f2c128b5d25a95);
   EXPECT_EQ(own_hash<drake::lcmt_viewer_geometry_data>(), 0xae971a65992bed83);
   EXPECT_EQ(own_hash<drake::lcmt_viewer_link_data>() - drake::lcmt_viewer_geometry_data::getHash(),
             0x4b645ec7a5743a2a);
