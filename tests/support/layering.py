@@ -46,7 +46,8 @@ ALLOWED = {
     "tools/common": "core/math rt/config",
     "tools/log": "core/math core/mesh rt/bus",
     "tools/recordings": "core/math core/sensing rt/bus rt/config rt/inference tools/common tools/log",
-    "tools/bridge": "core/math core/kinematics rt/loop/real_time.hpp rt/bus rt/config rt/registry tools/common tools/driver tools/record",
+    "tools/bridge": "core/math core/kinematics rt/loop/real_time.hpp rt/bus rt/client rt/config rt/registry tools/common "
+                    "tools/driver tools/record",
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
     "tools/command": "rt/bus rt/client rt/config tools/common",
     "tools/doctor": "rt/loop rt/bus rt/client rt/config rt/daemon tools/common tools/log tools/record",

@@ -44,6 +44,7 @@ class SteeredArm(unittest.TestCase):
     """Runs the bridge `program` by the configuration of start(), and palpated with the soft bar."""
 
     program = ""
+    connected = "connected"  # what it then prints
 
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -77,7 +78,7 @@ class SteeredArm(unittest.TestCase):
     def start_bridge(self) -> Program:
         bridge = Program(self.program, [BIN / self.program, "--config", self.folder / "bridge.yaml"], self.folder)
         self.addCleanup(bridge.end)
-        bridge.wait_for("connected")
+        bridge.wait_for(self.connected)
         return bridge
 
     def move(self, height: float) -> None:

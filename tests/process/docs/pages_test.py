@@ -43,7 +43,7 @@ NOT_RUN = {
 }
 # Programs that keep running, and their output when ready.
 READY = {"palpated": "inactive", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-drake": "waits for",
-         "palpate-ur": "waits for", "palpate-franka": "waits for", "tools/lab/worlds/ur_arm": "ready", "palpate-see": "clouds"}
+         "palpate-ur": "waits for", "palpate-franka": "waits for", "palpate-ros2": "waits for", "tools/lab/worlds/ur_arm": "ready", "palpate-see": "clouds"}
 
 
 class Workspace:
@@ -74,7 +74,7 @@ class Workspace:
         machine.
         """
         control, housekeeping = self.urls
-        if program in ("palpated", "palpate-sim", "palpate-drake"):
+        if program in ("palpated", "palpate-sim", "palpate-drake", "palpate-ros2"):
             more = f" --set bus.control={control} --set bus.housekeeping={housekeeping}"
             if program == "palpated":
                 more += " --set loop.degraded_after_ms=9000 --set loop.overrun_window_ms=10000"
