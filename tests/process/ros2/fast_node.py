@@ -107,5 +107,16 @@ class FastNode:
     def heard_bytes(self, topic: str) -> "list[bytes]":
         return [bytes.fromhex(words[1]) for words in self._heard[f"got {topic}"]]
 
+    def check_encoding(self, topic: str) -> None:
+        """Fails unless all that was read is what rosbags writes, byte for byte, but for what DDS adds at the end: how
+        much that is the header states, behind the kind of encoding.
+        """
+        for data, one in zip(self.heard_bytes(topic), self.heard(topic)):
+            expected = bytes(STORE.serialize_cdr(one, self._types[topic]))
+            added = data[3]
+            end = len(data) - added
+            if (data[:3], data[4:end]) != (expected[:3], expected[4:]) or any(data[end:]):
+                raise AssertionError(f"{topic}: {data.hex()} is not {expected.hex()}")
+
     def heard(self, topic: str) -> "list[Any]":
         return [STORE.deserialize_cdr(data, self._types[topic]) for data in self.heard_bytes(topic)]

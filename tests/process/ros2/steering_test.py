@@ -7,7 +7,7 @@ import time
 import unittest
 from typing import Any
 
-from fast_node import SOURCE, FastNode, header, message, wall_clock_us  # first: finds the next
+from fast_node import SOURCE, FastNode, header, message, utime_of, wall_clock_us  # first: finds the next
 
 # isort: split
 import numpy as np
@@ -54,8 +54,16 @@ class Steering(SteeredArm):
         self.node.write(request, message(REQUEST, client=client, sequence_number=7, unused=0))
         wait_for(lambda: bool(self.node.heard(reply)), f"a reply of {service}")
         (answer,) = self.node.heard(reply)
+        self.node.check_encoding(reply)
         self.assertEqual((answer.client, answer.sequence_number), (client, 7))
         return answer
+
+    def command(self, name: str) -> Any:
+        """The next one, as rosbags reads it, and would write it."""
+        self.node.connect("reader", "rt/commands", name)
+        wait_for(lambda: bool(self.node.heard("rt/commands")), "a command")
+        self.node.check_encoding("rt/commands")
+        return self.node.heard("rt/commands")[-1]
 
     def test_steers_and_stops(self) -> None:
         self.start_arm("velocities")
@@ -106,6 +114,8 @@ class Steering(SteeredArm):
 
         with self.subTest("ended by a signal while it moves"):
             self.move(0.03)
+            command = self.command("std_msgs/msg/Float64MultiArray")
+            self.assertEqual((len(command.data), len(command.layout.dim)), (7, 0))
             self.bridge.end()
             self.assertEqual(self.speed(), 0, "the last command is zero")
         self.assertRegex(self.bridge.output(), r"joint_states: \d+ accepted, [1-9]\d* malformed, [1-9]\d* late")
@@ -122,6 +132,11 @@ class Steering(SteeredArm):
             print(f"wrench to {name}: p50 {p50:.2f}, p99 {p99:.2f}, p99.9 {p999:.2f}, max {most:.2f} ms, {number:.0f}",
                   flush=True)  # fmt: skip
             self.assertGreater(number, 1000)
+        twist = self.command("geometry_msgs/msg/TwistStamped")
+        self.assertEqual(twist.header.frame_id, "base_link")
+        self.assertLess(abs(wall_clock_us() - utime_of(twist)), 10_000_000)
+        # The target is above: O is turned about z only.
+        self.assertGreater(twist.twist.linear.z, 0.01)
 
 
 if __name__ == "__main__":

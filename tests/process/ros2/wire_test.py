@@ -145,7 +145,7 @@ class Wire(unittest.TestCase):
             reading = self.arrives("IMU", lambda: node.write("rt/imu", imu(wall_clock_us())))
             np.testing.assert_array_equal(reading.acceleration, [0, 0, 9.81])
             self.cloud_arrives(node, 4)
-            self.cloud_arrives(node, 100_000)  # several fragments of DDS and of LCM
+            self.cloud_arrives(node, 10_000)  # several fragments of DDS and of LCM
 
         with self.subTest("malformed"):
             drawn = random.Random(1)
@@ -171,12 +171,8 @@ class Wire(unittest.TestCase):
                 return all(node.heard_bytes(topic) for topic in OUTPUTS)
 
             wait_for(all_arrive, "messages of palpate-ros2")
-            for topic, name in OUTPUTS.items():
-                for data, one in zip(node.heard_bytes(topic), node.heard(topic)):
-                    # Behind the kind of encoding, DDS states how many bytes have been added at the end.
-                    self.assertEqual(data[:3], bytes([0, 1, 0]))
-                    self.assertEqual(data[4 : len(data) - data[3]], bytes(STORE.serialize_cdr(one, name))[4:], topic)
-                    self.assertFalse(any(data[len(data) - data[3] :]))
+            for topic in OUTPUTS:
+                node.check_encoding(topic)
             contact = node.heard("rt/out/wrench")[-1]
             self.assertEqual(utime_of(contact), 1_700_000_000_123_456)
             self.assertEqual(contact.wrench.torque.z, 6.5)

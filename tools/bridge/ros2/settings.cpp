@@ -12,12 +12,12 @@ namespace {
 using config::Key;
 using config::Node;
 
-/// A name of ROS 2 without the slash in front; empty if it is.
+/// A name of ROS 2 without the slash in front.
 std::string checked_topic(const Node& node, const Key& key, std::string topic) {
-  static const std::regex kName("(/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*)?");
+  static const std::regex kName("/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*");
   if (!std::regex_match(topic, kName))
     node.fail(key.name, "is '" + topic + "'; allowed: names of letters, digits and _, joined by /");
-  if (!topic.empty() && topic.front() == '/') topic.erase(0, 1);
+  if (topic.front() == '/') topic.erase(0, 1);
   return topic;
 }
 
@@ -25,8 +25,10 @@ std::string read_topic(const Node& node, const Key& key) {
   return checked_topic(node, key, node.text(key));
 }
 
-std::string read_topic(const Node& node, const Key& key, const std::string& otherwise) {
-  return checked_topic(node, key, node.text(key, otherwise));
+/// Empty: none.
+std::string read_optional_topic(const Node& node, const Key& key) {
+  const std::string topic = node.text(key, "");
+  return topic.empty() ? topic : checked_topic(node, key, topic);
 }
 
 Participant::Options read_participant(const Node& ros) {
@@ -69,7 +71,8 @@ Settings::Robot read_robot(const Node& root, const Clock& clock, const Frames& f
   const Node robot = root.child({"robot", "", "an arm; absent: another program connects it"});
   Settings::Robot settings{bridge::read_chain(robot), bridge::read_stale(robot), {}, {}};
   JointStateArm::Options& arm = settings.arm;
-  arm.states = read_topic(robot, {"states", "", "topic of sensor_msgs/JointState"}, arm.states);
+  const Key states{"states", "", "topic of sensor_msgs/JointState"};
+  arm.states = checked_topic(robot, states, robot.text(states, arm.states));
   arm.commands = read_topic(robot, {"commands", "", "topic of the commands"});
   arm.kind = robot.choice({"command", "",
                            "velocities (std_msgs/Float64MultiArray, rad/s) or twist "
@@ -103,7 +106,7 @@ void read_inputs(const Node& root, Settings& settings) {
     settings.wrench = wrench;
   }
   settings.imu =
-      read_topic(root, {"imu", "", "topic of sensor_msgs/Imu, for IMU; empty: none"}, "");
+      read_optional_topic(root, {"imu", "", "topic of sensor_msgs/Imu, for IMU; empty: none"});
   if (root.has("cloud")) {
     const Node node = root.child({"cloud", "", "a depth camera for palpate-see; absent: none"});
     CloudRelay::Options cloud;
@@ -123,11 +126,13 @@ void read_outputs(const Node& root, const Frames& frames, Settings& settings) {
   const Node node = root.child_or_empty({"outputs", "", "topics that it publishes; empty: none"});
   Telemetry::Options& telemetry = settings.telemetry;
   telemetry.wrench =
-      read_topic(node, {"wrench", "", "WRENCH_COMPENSATED as WrenchStamped in S"}, "");
-  telemetry.hand_pose = read_topic(node, {"hand_pose", "", "ROBOT_STATE as PoseStamped in W"}, "");
-  telemetry.grasp_pose = read_topic(node, {"grasp_pose", "", "ESTIMATE as PoseStamped in O"}, "");
-  settings.diagnostics =
-      read_topic(node, {"diagnostics", "", "HEALTH and COMPONENT_EVENT as DiagnosticArray"}, "");
+      read_optional_topic(node, {"wrench", "", "WRENCH_COMPENSATED as WrenchStamped in S"});
+  telemetry.hand_pose =
+      read_optional_topic(node, {"hand_pose", "", "ROBOT_STATE as PoseStamped in W"});
+  telemetry.grasp_pose =
+      read_optional_topic(node, {"grasp_pose", "", "ESTIMATE as PoseStamped in O"});
+  settings.diagnostics = read_optional_topic(
+      node, {"diagnostics", "", "HEALTH and COMPONENT_EVENT as DiagnosticArray"});
   telemetry.base = frames.base;
   telemetry.sensor = frames.sensor;
   telemetry.object = frames.object;
@@ -147,13 +152,13 @@ void read_outputs(const Node& root, const Frames& frames, Settings& settings) {
 void read_requests(const Node& root, const Frames& frames, Settings& settings) {
   const Node node =
       root.child_or_empty({"requests", "", "what nodes may ask of palpated; absent: nothing"});
-  settings.services = read_topic(
-      node, {"services", "", "prefix of the services start, stop, reset, zero; empty: none"}, "");
-  settings.commands = read_topic(
-      node, {"commands", "", "topic of std_msgs/String with these words; empty: none"}, "");
+  settings.services = read_optional_topic(
+      node, {"services", "", "prefix of the services start, stop, reset, zero; empty: none"});
+  settings.commands = read_optional_topic(
+      node, {"commands", "", "topic of std_msgs/String with these words; empty: none"});
   TargetTopic::Options target;
   target.topic =
-      read_topic(node, {"target", "", "topic of the feature's targets; empty: none"}, "");
+      read_optional_topic(node, {"target", "", "topic of the feature's targets; empty: none"});
   target.kind = node.choice({"target_kind", "", "point (PointStamped) or pose (PoseStamped)"},
                             {"point", "pose"}, "point");
   if (node.has("rest_points"))

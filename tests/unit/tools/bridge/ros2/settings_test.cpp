@@ -48,6 +48,7 @@ TEST(Ros2Settings, NothingIsConnectedThatIsNotNamed) {
 TEST(Ros2Settings, ErrorsNameTheKey) {
   EXPECT_NE(error_of({"imu=imu data"}).find("imu"), std::string::npos);
   EXPECT_NE(error_of({"robot.commands=2nd/commands"}).find("commands"), std::string::npos);
+  EXPECT_NE(error_of({"robot.commands=''"}).find("commands"), std::string::npos);
   EXPECT_NE(error_of({"wrench.polarity=0"}).find("polarity"), std::string::npos);
   EXPECT_NE(error_of({"robot.joints=[a, b]"}).find("joints"), std::string::npos);
   EXPECT_NE(error_of({"ros.domain=233"}).find("domain"), std::string::npos);
