@@ -114,7 +114,7 @@ void JointStateArm::send(const Joints& dq, std::int64_t utime) {
   twists_->writer.write(message);
 }
 
-void JointStateArm::finish() {
+JointStateArm::~JointStateArm() {
   if (!has_sent_) return;
   send(Joints::Zero(q_.size()), options_.wall_clock());
   if (velocities_)

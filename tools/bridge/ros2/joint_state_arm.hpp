@@ -50,6 +50,9 @@ class JointStateArm final : public bridge::Protocol {
   /// The participant outlives this object.
   JointStateArm(const Participant& participant, const kinematics::SerialChain& chain,
                 const Options& options);
+  /// Sends zero, if anything has been sent: controllers of ROS 2 may follow the last command for
+  /// ever.
+  ~JointStateArm() override;
 
   void receive() override {}
   bool take(bridge::Reading& reading) override;
@@ -61,8 +64,6 @@ class JointStateArm final : public bridge::Protocol {
   bool follows(const Joints& /*q*/) const override { return true; }
   bool is_stopped_by_command() const override { return true; }
 
-  /// Zero, if anything has been sent: controllers of ROS 2 may follow the last command for ever.
-  void finish();
   const Intake& intake() const { return intake_; }
 
  private:

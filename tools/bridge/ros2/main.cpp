@@ -1,6 +1,9 @@
 // palpate-ros2: palpated in a graph of ROS 2, without ROS 2. See --help.
 
 #include <cstdio>
+#include <list>
+#include <optional>
+#include <vector>
 
 #include "diagnostics.hpp"
 #include "rt/bus/udpm_url.hpp"
@@ -104,26 +107,26 @@ class Relays {
 };
 
 /// The arm behind joint states, with all that is between it and palpated.
-struct Cell {
+class Cell {
+ public:
   Cell(const ros2::Participant& participant, const ros2::Settings::Robot& robot,
        bus::MessageBus& control, const bus::Access& access)
-      : Cell(robot, control, access, protocol_of(participant, robot)) {}
+      : Cell(robot, control, access, make_protocol(participant, robot)) {}
 
-  const ros2::JointStateArm& protocol() const { return *protocol_; }
+  const ros2::Intake& intake() const { return protocol_.intake(); }
   void run(bus::MessageBus& control, const std::function<void(std::int64_t)>& also) {
     bridge::run(driver_, control, arm_, also);
-    protocol_->finish();
   }
 
  private:
   Cell(const ros2::Settings::Robot& robot, bus::MessageBus& control, const bus::Access& access,
        std::unique_ptr<ros2::JointStateArm> protocol)
-      : protocol_(protocol.get()),
+      : protocol_(*protocol),
         arm_(robot.chain.joint_count(), std::move(protocol), bridge::machine_options(robot.stale)),
         driver_(control, robot.chain, robot.guard, access, arm_) {}
 
-  static std::unique_ptr<ros2::JointStateArm> protocol_of(const ros2::Participant& participant,
-                                                          const ros2::Settings::Robot& robot) {
+  static std::unique_ptr<ros2::JointStateArm> make_protocol(const ros2::Participant& participant,
+                                                            const ros2::Settings::Robot& robot) {
     const bridge::BridgedArm::Options machine = bridge::machine_options(robot.stale);
     ros2::JointStateArm::Options options = robot.arm;
     options.now_ns = machine.now_ns;
@@ -131,7 +134,7 @@ struct Cell {
     return std::make_unique<ros2::JointStateArm>(participant, robot.chain, options);
   }
 
-  ros2::JointStateArm* protocol_;
+  const ros2::JointStateArm& protocol_;
   bridge::BridgedArm arm_;
   palpate::driver::Driver driver_;
 };
@@ -147,7 +150,7 @@ void run(const palpate::config::Node& configuration, const std::string& file) {
   std::optional<Cell> cell;
   if (settings.robot) cell.emplace(participant, *settings.robot, *control, access);
   Relays relays(participant, settings, *control, *housekeeping, access,
-                cell ? &cell->protocol().intake() : nullptr);
+                cell ? &cell->intake() : nullptr);
   housekeeping->start_without_thread();
   std::printf("%s: in domain %d, waits for %s\n", file.c_str(), settings.participant.domain,
               cell ? settings.robot->arm.states.c_str() : "messages");

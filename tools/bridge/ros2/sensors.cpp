@@ -1,13 +1,10 @@
 #include "sensors.hpp"
 
 #include <cmath>
-#include <cstring>
-#include <palpate/channels.hpp>
 
 namespace palpate::ros2_bridge {
 namespace {
 
-constexpr int kSensorDepth = 64;  // of a cycle that is late
 constexpr std::uint32_t kMostFields = 64;
 constexpr std::uint64_t kMostCloudBytes = 60'000'000;   // below the bound of DDS samples
 constexpr std::uint8_t kUint32 = 6, kFloat32 = 7;       // PointField.datatype
@@ -76,39 +73,6 @@ const char* convert(const PointCloud2& from, drake::lcmt_point_cloud& to) {
   to.data_size = from.data._length;
   to.data.assign(from.data._buffer, from.data._buffer + from.data._length);
   return nullptr;
-}
-
-WrenchRelay::WrenchRelay(const Participant& participant, const std::string& topic, int polarity,
-                         const Clock& clock, bus::MessageBus& control)
-    : messages_(participant, {topic, Quality::kStream, kSensorDepth}),
-      polarity_(polarity),
-      intake_(topic, clock),
-      wrenches_(control, channel::kFtWrench, bus::random_session()) {}
-
-void WrenchRelay::cycle(std::int64_t utime) {
-  while (const WrenchStamped* const message = messages_.next()) {
-    ft_wrench_t reading{};
-    if (const char* const reason = convert(*message, polarity_, reading))
-      intake_.refuse(reason);
-    else if (const auto sent = intake_.admit(message->header.stamp, utime))
-      wrenches_.publish(reading, *sent);
-  }
-}
-
-ImuRelay::ImuRelay(const Participant& participant, const std::string& topic, const Clock& clock,
-                   bus::MessageBus& control)
-    : messages_(participant, {topic, Quality::kStream, kSensorDepth}),
-      intake_(topic, clock),
-      readings_(control, channel::kImu, bus::random_session()) {}
-
-void ImuRelay::cycle(std::int64_t utime) {
-  while (const Imu* const message = messages_.next()) {
-    imu_t reading{};
-    if (const char* const reason = convert(*message, reading))
-      intake_.refuse(reason);
-    else if (const auto sent = intake_.admit(message->header.stamp, utime))
-      readings_.publish(reading, *sent);
-  }
 }
 
 }  // namespace palpate::ros2_bridge

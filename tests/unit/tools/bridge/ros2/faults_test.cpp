@@ -64,7 +64,7 @@ void run_fault(unsigned seed) {
   const bool is_counted = counts.malformed + counts.late + counts.ahead > 20;
   ASSERT_EQ(is_counted,
             fault != Fault::kSilent && fault != Fault::kOtherMaster && fault != Fault::kPalpated);
-  if (is_counted) ASSERT_TRUE(cell.has_said("states: "));
+  ASSERT_EQ(cell.has_said("states: "), is_counted);
   if (fault == Fault::kPalpated) return;  // its commands are the motion's reason
 
   // The fault ends, and palpated commands on.

@@ -77,18 +77,21 @@ TEST(JointStateArm, FollowsPalpatedAndReportsItsState) {
 }
 
 TEST(JointStateArm, SendsZeroAtItsEnd) {
-  Cell cell;
-  cell.rest();
-  cell.run(260);
-  cell.protocol->finish();
-  cell.node.step(cell.now_ns);
-  EXPECT_EQ(cell.node.received, 0) << "nothing has been commanded";
-  cell.move(0.2);
-  cell.run(200);
-  ASSERT_GT(cell.node.speed(), 0.1);
-  cell.protocol->finish();
-  cell.node.step(cell.now_ns);
-  EXPECT_EQ(cell.node.speed(), 0);
+  Cell resting;
+  resting.rest();
+  resting.run(260);
+  resting.arm.reset();
+  resting.node.step(resting.now_ns);
+  EXPECT_EQ(resting.node.received, 0) << "nothing has been commanded";
+  Cell moving;
+  moving.rest();
+  moving.run(260);
+  moving.move(0.2);
+  moving.run(200);
+  ASSERT_GT(moving.node.speed(), 0.1);
+  moving.arm.reset();
+  moving.node.step(moving.now_ns);
+  EXPECT_EQ(moving.node.speed(), 0);
 }
 
 TEST(JointStateArm, OtherClocksAreAcceptedByTheTimeOfReception) {
