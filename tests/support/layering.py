@@ -69,7 +69,7 @@ ALLOWED = {
     "tools/types": "",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity core/sensing rt/bus rt/client rt/config rt/registry "
-                  "tools/common tools/drawing tools/log tools/serve tools/types",
+                  "tools/common tools/drawing tools/export tools/log tools/serve tools/types",
     # Any may include core, rt, sim and tools; listed here are other folders of the laboratory.
     "tools/lab/inject": "",
     "tools/lab/baselines": "",

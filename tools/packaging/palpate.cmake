@@ -68,6 +68,11 @@ option(PALPATE_PCH "Precompile common headers" ON)
 set(PALPATE_LOOP_FLAGS "")
 set(PALPATE_LAB_FLAGS $<$<CONFIG:Release>:-O2>)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
+if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+  # Most of the time goes into inlining the macros of googletest and what is run once.
+  list(APPEND PALPATE_LAB_FLAGS $<$<CONFIG:Release>:SHELL:-mllvm -inline-threshold=20>)
+  list(APPEND PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:SHELL:-mllvm -inline-threshold=20>)
+endif()
 set(PALPATE_OFFLINE_FOLDERS
   "^tools/(bridge|collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)|^tests/(unit/(rt|tools|lcmtypes)|process)")
 set(PALPATE_LAB_FOLDERS

@@ -35,6 +35,8 @@ class Content {
  public:
   virtual ~Content() = default;
 
+  /// Subprotocols of WebSocket that clients may ask for; empty for those of our own page.
+  virtual std::vector<std::string> protocols() const { return {}; }
   /// What is to be known of a page that connects, which the functions below receive again.
   virtual std::shared_ptr<Client> make_client() const { return std::make_shared<Client>(); }
   /// Receives, or plays on.

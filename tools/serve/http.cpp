@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 
 #include "tools/serve/page.hpp"
@@ -51,17 +52,43 @@ class Session : public std::enable_shared_from_this<Session> {
     answer(request, http::status::ok, asset->type, asset->body);
   }
 
+  /// The subprotocol of guests among those that the request names, or none.
+  std::string guest_protocol(const Page::Request& request) const {
+    if (room_.guests == nullptr) return {};
+    http::token_list wanted(request[http::field::sec_websocket_protocol]);
+    for (const std::string& known : room_.guests->protocols())
+      if (wanted.exists(known)) return known;
+    return {};
+  }
+
   void upgrade(const Page::Request& request, const std::string& host) {
     const std::string origin(request[http::field::origin]);
+    const std::string protocol = guest_protocol(request);
+    if (!protocol.empty()) return admit_guest(request, origin, protocol);
     if (!room_.doorman.knows_origin(origin, host)) {
       ++room_.counters.refused;
       return answer(request, http::status::forbidden, "text/plain", "not a page of this server\n");
     }
     if (request.target() != "/live")
       return answer(request, http::status::not_found, "text/plain", "not here\n");
+    begin(request, room_.content, {});
+  }
+
+  void admit_guest(const Page::Request& request, const std::string& origin,
+                   const std::string& protocol) {
+    const auto& known = room_.guest_origins;
+    if (!origin.empty() && std::find(known.begin(), known.end(), origin) == known.end()) {
+      ++room_.counters.refused;
+      return answer(request, http::status::forbidden, "text/plain",
+                    "pages of this origin may not read here; --foxglove-origin adds one\n");
+    }
+    begin(request, *room_.guests, protocol);
+  }
+
+  void begin(const Page::Request& request, Content& content, const std::string& protocol) {
     if (room_.pages.size() >= kMostPages)
       return answer(request, http::status::service_unavailable, "text/plain", "too many pages\n");
-    std::make_shared<Page>(room_, std::move(stream_))->begin(request);
+    std::make_shared<Page>(room_, content, std::move(stream_))->begin(request, protocol);
   }
 
   void answer(const Page::Request& request, http::status status, const std::string& type,

@@ -10,13 +10,14 @@ namespace {
 constexpr std::size_t kLargestRequest = 16 * 1024;  // bytes of a page's request
 constexpr std::size_t kMostWaiting = 1'000;         // messages queued for a page that does not read
 constexpr std::size_t kMostUndrawn = 2;             // frames
+constexpr std::size_t kBehind = 200;  // messages queued, from which on a page gets no new data
 
 }  // namespace
 
-Page::Page(Room& room, beast::tcp_stream stream)
-    : room_(room), socket_(std::move(stream)), client_(room.content.make_client()) {}
+Page::Page(Room& room, Content& content, beast::tcp_stream stream)
+    : room_(room), content_(content), socket_(std::move(stream)), client_(content.make_client()) {}
 
-void Page::begin(const Request& request) {
+void Page::begin(const Request& request, const std::string& protocol) {
   beast::get_lowest_layer(socket_).expires_never();
   websocket::stream_base::timeout timeout =
       websocket::stream_base::timeout::suggested(beast::role_type::server);
@@ -24,6 +25,10 @@ void Page::begin(const Request& request) {
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
   socket_.read_message_max(kLargestRequest);
+  if (!protocol.empty())
+    socket_.set_option(websocket::stream_base::decorator([protocol](auto& response) {
+      response.set(beast::http::field::sec_websocket_protocol, protocol);
+    }));
   // On one machine compression costs more than it saves.
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return;
@@ -35,7 +40,7 @@ void Page::begin(const Request& request) {
       if (const auto there = page.lock()) there->send_text(std::move(text));
     };
     self->room_.pages.insert(self);
-    self->send_text(self->room_.content.greeting(bus::wall_clock_us()));
+    self->send_text(self->content_.greeting(bus::wall_clock_us()));
     self->read();
   });
 }
@@ -46,7 +51,7 @@ void Page::read() {
     const bool text = self->socket_.got_text();
     const std::string said = beast::buffers_to_string(self->buffer_.data());
     self->buffer_.consume(self->buffer_.size());
-    if (!text || !self->room_.content.receive(self->client_, said, bus::wall_clock_us())) {
+    if (!text || !self->content_.receive(self->client_, said, bus::wall_clock_us())) {
       return self->leave();
     }
     self->catch_up();
@@ -57,7 +62,7 @@ void Page::read() {
 bool Page::is_behind() {
   while (!undrawn_.empty() && undrawn_.front() <= client_->acknowledged) undrawn_.pop_front();
   // Sent is not drawn: the system's buffers alone would hold seconds of frames for a slow page.
-  return undrawn_.size() >= kMostUndrawn;
+  return undrawn_.size() >= kMostUndrawn || waiting_.size() >= kBehind;
 }
 
 /// A page that drew slightly late does not wait for the next period: it would lose a frame each
@@ -65,7 +70,7 @@ bool Page::is_behind() {
 void Page::catch_up() {
   if (!owed_ || is_behind()) return;
   const std::int64_t now_us = bus::wall_clock_us();
-  room_.content.prepare(now_us);
+  content_.prepare(now_us);
   deliver(now_us);
 }
 
@@ -76,7 +81,7 @@ void Page::deliver(std::int64_t now_us) {
     ++room_.counters.frames_skipped;
     return;
   }
-  Delivery delivery = room_.content.deliver(*client_, now_us);
+  Delivery delivery = content_.deliver(*client_, now_us);
   for (std::string& text : delivery.texts) send_text(std::move(text));
   for (auto& parcel : delivery.parcels) {
     room_.counters.bytes += static_cast<std::int64_t>(parcel->size());
@@ -119,6 +124,7 @@ void Page::leave() {
 void deliver_to_pages(Room& room) {
   const std::int64_t now_us = bus::wall_clock_us();
   room.content.prepare(now_us);
+  if (room.guests != nullptr) room.guests->prepare(now_us);
   const auto pages = room.pages;  // one may disconnect meanwhile
   for (const auto& page : pages) page->deliver(now_us);
 }

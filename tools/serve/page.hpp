@@ -19,20 +19,22 @@ class Page;
 struct Room {
   const Assets& assets;
   Content& content;
+  Content* guests;  // nullptr: none are served
+  std::vector<std::string> guest_origins;
   Doorman doorman;
   std::set<std::shared_ptr<Page>> pages;
   ServerCounters counters;
 };
 
-/// WebSocket connection of one page.
+/// WebSocket connection of one page, or of a guest.
 class Page : public std::enable_shared_from_this<Page> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
-  Page(Room& room, boost::beast::tcp_stream stream);
+  Page(Room& room, Content& content, boost::beast::tcp_stream stream);
 
-  /// Answers the upgrade request, then serves the page.
-  void begin(const Request& request);
+  /// Answers the upgrade request, with the subprotocol if it is not empty, then serves the page.
+  void begin(const Request& request, const std::string& protocol);
   /// Sends new data, unless earlier frames have not been drawn yet.
   void deliver(std::int64_t now_us);
 
@@ -52,6 +54,7 @@ class Page : public std::enable_shared_from_this<Page> {
   void leave();
 
   Room& room_;
+  Content& content_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   boost::beast::flat_buffer buffer_;
   std::deque<Message> waiting_;

@@ -49,7 +49,7 @@ const Asset* Assets::find(std::string_view path) const {
 }
 
 struct Server::Impl {
-  Impl(const Options& wanted, const Assets& assets, Content& shown)
+  Impl(const Options& wanted, const Assets& assets, Content& shown, Content* guests)
       : options(wanted),
         content(shown),
         context(1),
@@ -62,8 +62,13 @@ struct Server::Impl {
     const auto address = acceptor.local_endpoint().address();
     if (!address.is_unspecified())
       names.push_back(address.is_v6() ? "[" + address.to_string() + "]" : address.to_string());
-    room = std::make_unique<Room>(
-        Room{assets, content, Doorman(names, acceptor.local_endpoint().port()), {}, {}});
+    room = std::make_unique<Room>(Room{assets,
+                                       content,
+                                       guests,
+                                       options.guest_origins,
+                                       Doorman(names, acceptor.local_endpoint().port()),
+                                       {},
+                                       {}});
   }
 
   void listen() {
@@ -139,8 +144,8 @@ struct Server::Impl {
   std::unique_ptr<Room> room;
 };
 
-Server::Server(const Options& options, const Assets& assets, Content& content)
-    : impl_(std::make_unique<Impl>(options, assets, content)) {}
+Server::Server(const Options& options, const Assets& assets, Content& content, Content* guests)
+    : impl_(std::make_unique<Impl>(options, assets, content, guests)) {}
 
 Server::~Server() = default;
 

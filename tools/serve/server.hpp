@@ -49,8 +49,8 @@ struct ServerCounters {
   double work = 0;                  // s of processor time of the serving thread
 };
 
-/// HTTP for the page and a WebSocket for its data, in one thread. A slow page gets fewer frames,
-/// never old ones: the next is made when it has drawn all but one of those before.
+/// HTTP for the page and WebSockets for its data and for guests, in one thread. A slow page gets
+/// fewer frames, never old ones: the next is made when it has drawn all but one of those before.
 class Server {
  public:
   struct Options {
@@ -58,13 +58,17 @@ class Server {
     int port = 8765;                 // 0: any free port
     std::vector<std::string> names;  // names of the host in addition to its address
     double rate = 30;                // frames per second, at most
+    /// Origins of pages of others that may read what `guests` delivers, as
+    /// https://app.foxglove.dev; programs that are not pages name no origin and always may.
+    std::vector<std::string> guest_origins;
   };
-  /// Listens from here on. Throws std::runtime_error with the remedy on failure.
-  Server(const Options& options, const Assets& assets, Content& content);
+  /// Listens from here on. `guests`: content for clients that ask for its subprotocol; nullptr:
+  /// these are refused. Throws std::runtime_error with the remedy on failure.
+  Server(const Options& options, const Assets& assets, Content& content, Content* guests = nullptr);
   ~Server();
 
   int port() const;
-  /// Serves until stop(). `content` and `assets` must outlive it.
+  /// Serves until stop(). `assets` and both contents must outlive it.
   void run();
   /// May be called from a signal handler's thread or any other.
   void stop();

@@ -31,9 +31,9 @@ void LiveSource::receive(Scene& scene, int most) {
 void LiveSource::handle(Scene& scene, const std::uint8_t* data, int size, std::int64_t time_us) {
   bus::UdpmFrame frame{};
   if (!bus::parse_udpm_frame(data, size, counters_, frame)) return;
-  if (!scene.accept(bus::own_name(names_, frame.channel), frame.payload, frame.payload_size,
-                    time_us))
-    ++counters_.unsubscribed;
+  const auto channel = bus::own_name(names_, frame.channel);
+  if (listener_) listener_(channel, frame.payload, frame.payload_size, time_us);
+  if (!scene.accept(channel, frame.payload, frame.payload_size, time_us)) ++counters_.unsubscribed;
 }
 
 }  // namespace palpate::view

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <list>
 #include <string>
 #include <vector>
@@ -19,6 +20,11 @@ class LiveSource {
   /// or std::runtime_error with the remedy.
   explicit LiveSource(const std::vector<std::string>& urls, bus::ChannelNames names = {});
 
+  /// Receives every message, whatever its channel; valid during the call.
+  using Listener = std::function<void(std::string_view channel, const void* data, int size,
+                                      std::int64_t time_us)>;
+  void listen_by(Listener listener) { listener_ = std::move(listener); }
+
   /// Handles everything received since the last call, without waiting; a flood is cut off after
   /// `most` datagrams per group.
   void receive(Scene& scene, int most = 20'000);
@@ -30,6 +36,7 @@ class LiveSource {
 
  private:
   bus::ChannelNames names_;
+  Listener listener_;
   std::list<bus::UdpmSocket> sockets_;
   bus::DatagramCounters counters_;  // unsubscribed: of channels that the scene does not show
 };

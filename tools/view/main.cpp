@@ -10,6 +10,7 @@
 
 #include "rt/config/channel_names.hpp"
 #include "tools/common/program.hpp"
+#include "tools/view/foxglove_content.hpp"
 #include "tools/view/viewer.hpp"
 
 namespace {
@@ -19,6 +20,8 @@ namespace client = palpate::client;
 namespace serve = palpate::serve;
 namespace view = palpate::view;
 
+constexpr const char* kFoxglove = "https://app.foxglove.dev";
+
 struct Options {
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
@@ -27,6 +30,7 @@ struct Options {
   std::vector<std::filesystem::path> types;
   std::string key_file, token_file;
   bool control = false;
+  bool foxglove = false;
   double max_force = 5;
   double log_rate = 1;
   serve::Server::Options server;
@@ -41,6 +45,8 @@ Examples:
       address with its token
   palpate-view --config my.yaml --log control.log housekeeping.log
       a recording, with a timeline
+  palpate-view --config my.yaml --foxglove
+      for Foxglove too: open connection, Foxglove WebSocket, ws://localhost:8765
 From another machine: ssh -L 8765:127.0.0.1:8765 HOST, and open the address here. To push, the
 daemon needs a sensor model `manual` and a contact that serves it (tools/view/README.md).)";
 
@@ -78,6 +84,15 @@ void add_options(CLI::App& app, Options& o) {
   app.add_option("--fps", o.server.rate, "frames a second at most, 1 to 120")
       ->check(CLI::Range(1.0, 120.0))
       ->capture_default_str();
+  CLI::Option* foxglove =
+      app.add_flag("--foxglove", o.foxglove,
+                   "send all messages to clients of Foxglove's WebSocket protocol as well")
+          ->excludes(log);
+  app.add_option("--foxglove-origin", o.server.guest_origins,
+                 "a web page that may read them, in addition to " + std::string(kFoxglove) +
+                     " (repeatable)")
+      ->allow_extra_args(false)
+      ->needs(foxglove);
   CLI::Option* control =
       app.add_flag("--control", o.control, "let a page that has the token give commands")
           ->excludes(log);
@@ -164,13 +179,21 @@ int run(Options& options) {
   view::Viewer viewer(viewer_options, token);
   const palpate::types::TypeSet types(options.types);
   viewer.describe(types);
+  view::FoxgloveTopics topics(types, viewer_options.cell.X_WO);
+  view::FoxgloveContent foxglove(topics, viewer.scene());
 
   std::unique_ptr<bus::MessageBus> control, housekeeping;
   if (!options.logs.empty()) {
     viewer.show_log(open_log(options, types, names));
   } else {
-    viewer.show_live(std::make_unique<view::LiveSource>(
-        std::vector<std::string>{options.control_url, options.housekeeping_url}, names));
+    auto source = std::make_unique<view::LiveSource>(
+        std::vector<std::string>{options.control_url, options.housekeeping_url}, names);
+    if (options.foxglove)
+      source->listen_by(
+          [&topics](std::string_view channel, const void* data, int size, std::int64_t time_us) {
+            topics.take(channel, data, size, time_us);
+          });
+    viewer.show_live(std::move(source));
   }
   if (options.control) {
     bus::Access access;
@@ -183,7 +206,8 @@ int run(Options& options) {
     viewer.command_by(std::make_unique<client::Client>(*control, *housekeeping, access));
     housekeeping->start_without_thread();
   }
-  serve::Server server(options.server, assets, viewer);
+  options.server.guest_origins.emplace_back(kFoxglove);
+  serve::Server server(options.server, assets, viewer, options.foxglove ? &foxglove : nullptr);
   print_address(options, server.port(), token);
   std::thread serving([&] { server.run(); });
   ending.async_wait([](const boost::system::error_code&, int) {});

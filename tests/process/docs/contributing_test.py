@@ -99,29 +99,41 @@ class Copy:
         raise AssertionError(f"{target} is not in compile_commands.json")
 
     def batches(self, target, folder):
-        """Copies of the sources that BUILD compiles several at a time, in which those of the copy stand instead."""
+        """(object of BUILD, copy of its source) where BUILD compiles several sources at a time; the copy includes those
+        of this copy."""
         made = []
         built = {entry["file"] for entry in self.database}  # besides what a former configuration has left
         for batch in sorted((BUILD / folder / f"CMakeFiles/{target}.dir/Unity").glob("*.cxx")):
             if str(batch) not in built:
                 continue
             lines = [line for line in batch.read_text(encoding="utf-8").splitlines() if f'"{ROOT / folder}/' in line]
-            made.append(self.root / f"{target}_{batch.stem}.cpp")
-            made[-1].write_text("\n".join(lines).replace(f'"{ROOT}/', f'"{self.root}/') + "\n", encoding="utf-8")
+            copy = self.root / f"{target}_{batch.stem}.cpp"
+            copy.write_text("\n".join(lines).replace(f'"{ROOT}/', f'"{self.root}/') + "\n", encoding="utf-8")
+            made.append((batch.with_suffix(".cxx.o"), copy))
         return made
 
+    def is_reached(self, batch):
+        """Whether the change reaches one of the sources of a batch."""
+        sources = re.findall(rf'"{self.root}/([^"]+)"', batch.read_text(encoding="utf-8"))
+        return any(self.includes(source) & self.changed for source in sources)
+
+    def of_folder(self, folder):
+        return [path for path in sorted((self.root / folder).glob("*.cpp")) if path.name != "main.cpp"]
+
     def compile(self, target, folder, whole=False):
-        """Objects of the sources of `folder` that the change reaches, or of all but main.cpp."""
+        """Objects of the sources of `folder` that the change reaches, or of all but main.cpp, those of BUILD where the
+        change reaches none of a batch."""
         flags = self.flags(target)
         flags = flags[next(i for i, word in enumerate(flags) if word.endswith("++")):]
-        sources = [path for path in sorted((self.root / folder).glob("*.cpp")) if path.name != "main.cpp"]
+        objects = []
         if whole:
             batches = self.batches(target, folder)
-            together = "".join(batch.read_text(encoding="utf-8") for batch in batches)
-            sources = batches + [path for path in sources if str(path) not in together]
+            together = "".join(copy.read_text(encoding="utf-8") for _, copy in batches)
+            sources = [copy for _, copy in batches if self.is_reached(copy)]
+            sources += [path for path in self.of_folder(folder) if str(path) not in together]
+            objects = [str(built) for built, copy in batches if not self.is_reached(copy)]
         else:
-            sources = [path for path in sources if self.includes(path.relative_to(self.root).as_posix()) & self.changed]
-        objects = []
+            sources = [path for path in self.of_folder(folder) if self.includes(path.relative_to(self.root).as_posix()) & self.changed]
         for path in sources:
             made = self.root / (path.relative_to(self.root).as_posix().replace("/", "_") + ".o")
             run([*flags, "-c", str(path), "-o", str(made)], cwd=BUILD)
