@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/elasticity/stretch_response.hpp"
+
 namespace palpate::solid {
 namespace {
 
@@ -27,32 +29,6 @@ struct Lame {
     lambda_nu = is_finite ? E * (1 + 2 * nu * nu) / (a * a * b * b) : 0;
   }
 };
-
-/// q(a, x) = (exp(a x) - 1) / a, its derivatives, and its integral from 0 to x.
-struct Power {
-  double value, by_x, by_a, integral;
-
-  Power(double a, double x) {
-    const double y = a * x;
-    by_x = std::exp(y);
-    if (std::abs(y) < 1e-3) {  // series where the closed forms suffer from cancellation
-      value = x * (1 + y / 2 + y * y / 6 + y * y * y / 24);
-      by_a = x * x * (1.0 / 2 + y / 3 + y * y / 8 + y * y * y / 30);
-      integral = x * x * (1.0 / 2 + y / 6 + y * y / 24 + y * y * y / 120);
-    } else {
-      value = std::expm1(y) / a;
-      by_a = (x * by_x - value) / a;
-      integral = (value - x) / a;
-    }
-  }
-};
-
-/// Adds `lambda` l^2 / 2 to the energy, and its contributions to the derivatives.
-void add_volume(double lambda, double l, PrincipalStress& r) {
-  r.energy += lambda * l * l / 2;
-  r.stress.array() += lambda * l;
-  r.tangent.array() += lambda;
-}
 
 void reset(Eigen::Index constants, PrincipalStress& r) {
   r.energy = 0;
@@ -79,46 +55,66 @@ class Linear final : public StrainEnergy {
   }
 };
 
-class MooneyRivlin final : public StrainEnergy {
+/// Laws of the form of StretchLaw.
+class Stretches final : public StrainEnergy {
  public:
-  MooneyRivlin() : StrainEnergy("mooney_rivlin", {{"mooney_share", "", 0.3, -5, 5, false}}) {}
+  explicit Stretches(const elasticity::NamedStretchLaw& named)
+      : StrainEnergy(named.name, shape(named)), named_(named) {}
 
   void evaluate(const Vector3d& x, const VectorXd& c, PrincipalStress& r) const override {
     const Lame lame(c);
-    const double share = c[2], l = x.sum();
-    const Vector3d square = (2 * x).array().exp();
-    const double I1 = square.sum();
-    const Vector3d others = I1 - square.array();
-    const double I2 = square.dot(others) / 2;
-    const double c10 = (1 - share) * lame.mu / 2, c01 = share * lame.mu / 2;
-
-    reset(3, r);
-    r.energy = c10 * (I1 - 3) + c01 * (I2 - 3) - (2 * c10 + 4 * c01) * l;
-    // derivatives with respect to c10 and c01, the latter including its part of the volume term
-    const Vector3d by_c10 = 2 * square.array() - 2;
-    const Vector3d by_c01 = 2 * square.array() * others.array() - 4;
-    r.stress = c10 * by_c10 + c01 * by_c01;
-    r.tangent = 4 * c01 * square * square.transpose();
-    r.tangent.diagonal() = 4 * square.array() * (c10 + c01 * others.array());
-    const bool is_compressible = c[1] < 0.5;
-    const double volume = is_compressible ? lame.lambda - 4 * c01 : 0;
-    add_volume(volume, l, r);
-    const Vector3d by_c01_all = by_c01.array() - (is_compressible ? 4 * l : 0);
-    const Vector3d by_mu = ((1 - share) * by_c10 + share * by_c01_all) / 2;
+    const Logs logs{x[0], x[1], x[2]};
+    std::vector<double> shape(c.data() + 2, c.data() + c.size());
+    const elasticity::StretchLaw law = named_.make(shape);
+    const auto found = elasticity::respond(law, lame.mu, lame.lambda, logs);
+    r.energy = found.energy;
+    r.stress = Eigen::Map<const Vector3d>(found.stress.data());
+    const auto& [xx, yy, zz, xy, xz, yz] = found.tangent;
+    r.tangent << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    r.by_constant.resize(3, c.size());
     r.by_constant.col(0) = r.stress / c[0];
-    r.by_constant.col(1) = (lame.mu_nu * by_mu).array() + lame.lambda_nu * l;
-    r.by_constant.col(2) = lame.mu / 2 * (by_c01_all - by_c10);
+    r.by_constant.col(1) = lame.mu_nu * shear_stress(law, logs).array() + lame.lambda_nu * x.sum();
+    for (int i = 0; i < named_.exponents; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        const elasticity::PowerTerm<double> q(law.exponents[i], x[k]);
+        r.by_constant(k, 2 + i) = 2 * lame.mu * law.shares[i] * q.by_exponent();
+      }
+    }
+    for (std::size_t i = named_.exponents; i < shape.size(); ++i) {
+      // the stress is linear in the shares
+      shape[i] = 1;
+      const Vector3d all = shear_stress(named_.make(shape), logs);
+      shape[i] = 0;
+      r.by_constant.col(2 + static_cast<Eigen::Index>(i)) =
+          lame.mu * (all - shear_stress(named_.make(shape), logs));
+      shape[i] = c[2 + static_cast<Eigen::Index>(i)];
+    }
   }
+
+ private:
+  using Logs = std::array<double, 3>;
+
+  static std::vector<MaterialConstant> shape(const elasticity::NamedStretchLaw& named) {
+    std::vector<MaterialConstant> all;
+    for (const auto& c : named.constants)
+      all.push_back({c.name, "", c.start, c.lower, c.upper, false});
+    return all;
+  }
+  static Vector3d shear_stress(const elasticity::StretchLaw& law, const Logs& x) {
+    const std::array<double, 3> stress = elasticity::shear_response(law, x).stress;
+    return {stress[0], stress[1], stress[2]};
+  }
+
+  const elasticity::NamedStretchLaw& named_;
 };
 
-/// Sums of powers: Ogden's materials, including the neo-Hookean one, and the foams.
-class Powers final : public StrainEnergy {
+/// Foams: sums of powers.
+class Foam final : public StrainEnergy {
  public:
-  /// Exponents are `known` if given; otherwise exponents and shares of the terms are constants.
-  Powers(std::string name, int terms, bool is_foam, const double* known)
-      : StrainEnergy(std::move(name), shape(terms, is_foam, known != nullptr)),
+  /// The exponent is `known` if given; otherwise exponents and shares of the terms are constants.
+  Foam(std::string name, int terms, const double* known)
+      : StrainEnergy(std::move(name), shape(terms, known != nullptr)),
         terms_(terms),
-        is_foam_(is_foam),
         is_known_(known != nullptr),
         exponent_(known != nullptr ? *known : 0) {}
 
@@ -132,47 +128,41 @@ class Powers final : public StrainEnergy {
       const Vector3d second = add_term(x, c, lame, share, c[3], 3, r);
       r.by_constant.col(4) = 2 * lame.mu * (second - first);
     }
-    if (!is_foam_) {
-      const double l = x.sum();
-      add_volume(lame.lambda, l, r);
-      r.by_constant.col(1).array() += lame.lambda_nu * l;
-    }
     r.by_constant.col(0) = r.stress / c[0];
   }
 
  private:
-  static std::vector<MaterialConstant> shape(int terms, bool is_foam, bool is_known) {
+  static std::vector<MaterialConstant> shape(int terms, bool is_known) {
     if (is_known) return {};
-    const std::string prefix = is_foam ? "foam_" : "ogden_";
-    std::vector<MaterialConstant> result = {
-        {prefix + "exponent", "", is_foam ? 4.0 : 2.0, -40, 60, false}};
+    std::vector<MaterialConstant> result = {{"foam_exponent", "", 4, -40, 60, false}};
     if (terms == 2) {
-      result.push_back({prefix + "exponent_2", "", is_foam ? -4.0 : -2.0, -40, 60, false});
-      result.push_back({prefix + "share_2", "", 0.3, -5, 5, false});
+      result.push_back({"foam_exponent_2", "", -4, -40, 60, false});
+      result.push_back({"foam_share_2", "", 0.3, -5, 5, false});
     }
     return result;
   }
 
   /// Adds a term and returns the derivative of the stress with respect to twice the term's shear
   /// modulus.
-  Vector3d add_term(const Vector3d& x, const VectorXd& c, const Lame& lame, double weight,
-                    double exponent, int exponent_index, PrincipalStress& r) const {
+  static Vector3d add_term(const Vector3d& x, const VectorXd& c, const Lame& lame, double weight,
+                           double exponent, int exponent_index, PrincipalStress& r) {
+    using Power = elasticity::PowerTerm<double>;
     const double mu = 2 * weight * lame.mu, mu_nu = 2 * weight * lame.mu_nu;
     Vector3d value, by_a;
     for (int k = 0; k < 3; ++k) {
       const Power q(exponent, x[k]);
-      value[k] = q.value;
-      by_a[k] = q.by_a;
-      r.energy += mu * q.integral;
+      value[k] = q.value();
+      by_a[k] = q.by_exponent();
+      r.energy += mu * q.integral();
       r.tangent(k, k) += mu * q.by_x;
     }
-    if (is_foam_ && c[1] < 0.5) {
+    if (c[1] < 0.5) {
       const double l = x.sum(), b = 1 - 2 * c[1], beta = c[1] / b;
       const Power q(exponent, -beta * l);
-      value.array() -= q.value;
-      by_a.array() -= q.by_a;
+      value.array() -= q.value();
+      by_a.array() -= q.by_exponent();
       // negative integral of q(a, -beta l) over l
-      r.energy += beta != 0 ? mu * q.integral / beta : 0;
+      r.energy += beta != 0 ? mu * q.integral() / beta : 0;
       r.tangent.array() += mu * beta * q.by_x;
       r.by_constant.col(1).array() += mu * q.by_x * l / (b * b);
     }
@@ -183,7 +173,7 @@ class Powers final : public StrainEnergy {
   }
 
   int terms_;
-  bool is_foam_, is_known_;
+  bool is_known_;
   double exponent_;
 };
 
@@ -206,15 +196,13 @@ const std::vector<std::string>& StrainEnergy::names() {
 }
 
 std::unique_ptr<const StrainEnergy> StrainEnergy::make(const std::string& name) {
-  static constexpr double kNeoHookean = 2, kBlatzKo = -2;
+  static constexpr double kBlatzKo = -2;
   if (name == "linear") return std::make_unique<Linear>();
-  if (name == "neo_hookean") return std::make_unique<Powers>(name, 1, false, &kNeoHookean);
-  if (name == "mooney_rivlin") return std::make_unique<MooneyRivlin>();
-  if (name == "ogden_1") return std::make_unique<Powers>(name, 1, false, nullptr);
-  if (name == "ogden_2") return std::make_unique<Powers>(name, 2, false, nullptr);
-  if (name == "hyperfoam_1") return std::make_unique<Powers>(name, 1, true, nullptr);
-  if (name == "hyperfoam_2") return std::make_unique<Powers>(name, 2, true, nullptr);
-  if (name == "blatz_ko") return std::make_unique<Powers>(name, 1, true, &kBlatzKo);
+  if (const auto* named = elasticity::find_stretch_law(name))
+    return std::make_unique<Stretches>(*named);
+  if (name == "hyperfoam_1") return std::make_unique<Foam>(name, 1, nullptr);
+  if (name == "hyperfoam_2") return std::make_unique<Foam>(name, 2, nullptr);
+  if (name == "blatz_ko") return std::make_unique<Foam>(name, 1, &kBlatzKo);
   std::string all;
   for (const std::string& known : names()) all += (all.empty() ? "" : ", ") + known;
   throw std::invalid_argument("no material '" + name + "'; there are " + all);

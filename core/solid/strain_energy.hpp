@@ -25,8 +25,7 @@ struct PrincipalStress {
   Eigen::Matrix3Xd by_constant;  // derivative of tau_k with respect to the constants
 };
 
-/// Isotropic elastic material defined by its strain energy, for fitting; the loop's own model is
-/// linear.
+/// Isotropic elastic material defined by its strain energy, for fitting.
 ///
 /// The first two constants of every material are `young_modulus` E and `poisson_ratio` nu at small
 /// strain, so that materials can be compared and experiments can share them; the others describe
@@ -34,11 +33,7 @@ struct PrincipalStress {
 /// lambda = E nu / ((1 + nu) (1 - 2 nu)), l = sum x_k = log J, q(a, x) = (exp(a x) - 1) / a:
 ///
 ///   linear         Psi = mu sum e^2 + lambda/2 (sum e)^2, e_k = exp(x_k) - 1: co-rotational
-///   neo_hookean    tau_k = 2 mu q(2, x_k) + lambda l (Bonet and Wood 2008, eq. 6.27)
-///   mooney_rivlin  Psi = c10 (I1 - 3) + c01 (I2 - 3) - (2 c10 + 4 c01) l + (lambda - 4 c01) l^2/2,
-///                  c01 = share mu/2, c10 = (1 - share) mu/2; `mooney_share`
-///   ogden_1, _2    tau_k = 2 sum_i mu_i q(a_i, x_k) + lambda l, mu_2 = share mu;
-///                  `ogden_exponent`, `ogden_exponent_2`, `ogden_share_2` (Ogden 1972)
+///   neo_hookean, mooney_rivlin, ogden_1, ogden_2: elasticity::stretch_laws()
 ///   hyperfoam_1, _2  tau_k = 2 sum_i mu_i (q(a_i, x_k) - q(a_i, -beta l)), beta = nu / (1 - 2 nu);
 ///                  `foam_exponent`, `foam_exponent_2`, `foam_share_2` (Storakers 1986)
 ///   blatz_ko       hyperfoam_1 with a = -2 (Blatz and Ko 1962)
