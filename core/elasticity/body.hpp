@@ -1,13 +1,15 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "core/elasticity/stretch_law.hpp"
 #include "core/math/rigid.hpp"
 #include "core/mesh/element_mesh.hpp"
 
 namespace palpate::elasticity {
 
-/// Isotropic linear material of the co-rotational models.
+/// Isotropic material; moduli at small strain.
 struct Material {
   double young_modulus = 30e3;  // Pa, > 0
   double poisson_ratio = 0.3;   // in (-1, 0.5)
@@ -39,6 +41,7 @@ struct Body {
   mesh::ElementMesh mesh;
   Material material;
   std::vector<Material> element_materials;  // one per element; empty: `material` everywhere
+  std::optional<StretchLaw> law;            // at large strain; empty: linear and co-rotated
   Damping damping;
   std::vector<int> fixed_nodes;                         // nodes held by the test rig
   std::vector<GraspRegion> grasps;                      // at most two

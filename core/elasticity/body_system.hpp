@@ -9,7 +9,7 @@ namespace palpate::elasticity {
 /// Forces of all elements in double precision, in mesh numbering and without viscosity.
 class MeshForces {
  public:
-  MeshForces(const mesh::ElementMesh& mesh, const std::vector<Lame>& materials)
+  MeshForces(const mesh::ElementMesh& mesh, const ElementMaterials& materials)
       : elements_(make_element_forces(mesh, materials, mesh_numbering(mesh), Precision::kDouble)),
         x_(NodalField::Zero(4, mesh.node_count())),
         forces_(x_) {}

@@ -11,7 +11,8 @@
 
 namespace palpate::elasticity {
 
-/// Energy-consistent co-rotated elasticity, solved incrementally: each step starts from the
+/// Energy-consistent elasticity in axes that rotate with each point, with the linear law or
+/// Body::law, solved incrementally: each step starts from the
 /// previous solution and makes a few quasi-Newton corrections with a possibly outdated factor but
 /// with the nonlinear residual, so that the solution does not depend on the factor's age. Shapes
 /// that are not physical are replaced if they last for a fifth of a second, or at once if a tenth

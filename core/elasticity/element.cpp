@@ -24,6 +24,12 @@ Lame lame(const Material& material) {
   return {e / (2 * (1 + nu)), e * nu / ((1 + nu) * (1 - 2 * nu))};
 }
 
+ElementMaterials element_materials(const Body& body) {
+  std::vector<Lame> all;
+  for (int e = 0; e < body.mesh.element_count(); ++e) all.push_back(lame(body.material_of(e)));
+  return {std::move(all), body.law};
+}
+
 double tetrahedron_volume(const Eigen::Matrix<double, 3, 4>& corners) {
   Eigen::Matrix3d edges;
   for (int k = 0; k < 3; ++k) edges.col(k) = corners.col(k + 1) - corners.col(0);

@@ -2,6 +2,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/elasticity/body.hpp"
 
@@ -19,6 +22,18 @@ struct Lame {
   double lambda = 0;
 };
 Lame lame(const Material& material);
+
+/// Materials of a body's elements.
+struct ElementMaterials {
+  /// `law`: as Body::law.
+  ElementMaterials(std::vector<Lame> lame_by_element, std::optional<StretchLaw> law_of_all = {})
+      : lame(std::move(lame_by_element)), law(law_of_all) {}
+
+  std::vector<Lame> lame;  // by element
+  std::optional<StretchLaw> law;
+};
+/// Those of a body.
+ElementMaterials element_materials(const Body& body);
 
 /// Straight-sided tetrahedra: 4 nodes and one quadrature point, or 10 nodes and four points, which
 /// integrate the energy exactly if the rotation is constant.

@@ -64,6 +64,8 @@ class alignas(64) ElementBlock {
   static constexpr int kElements = kPacks * math::kLanes<Pack>;
   using State = std::array<PointState<Pack>, kPacks * kPoints>;
   using Real = typename math::PackTraits<Pack>::Real;
+  template <class Law>
+  using Axes = std::array<typename Law::template Axes<Pack>, kPacks * kPoints>;
 
   void set(int place, const mesh::ElementMesh& mesh, int element,
            const std::vector<Lame>& materials, const std::vector<int>& numbering, bool weighted) {
@@ -143,12 +145,15 @@ class alignas(64) ElementBlock {
     }
   }
 
-  /// Energy, J; adds the nodal forces to a field of four numbers per node.
-  Pack add(const double* x, double viscosity, State& state, Real* forces) const noexcept {
+  /// Energy, J; adds the nodal forces to a field of four numbers per node. `law`: as LinearStress,
+  /// `axes`: what it keeps between evaluations.
+  template <class Law>
+  Pack add(const Law& law, const double* x, double viscosity, State& state, Axes<Law>& axes,
+           Real* forces) const noexcept {
     if constexpr (kNodes == 4) {
-      return add_linear(x, viscosity, state, forces);
+      return add_linear(law, x, viscosity, state, axes, forces);
     } else {
-      return add_quadratic(x, viscosity, state, forces);
+      return add_quadratic(law, x, viscosity, state, axes, forces);
     }
   }
 
@@ -162,7 +167,9 @@ class alignas(64) ElementBlock {
            m[2] * (m[3] * m[7] - m[4] * m[6]);
   }
 
-  Pack add_linear(const double* x, double viscosity, State& state, Real* forces) const noexcept {
+  template <class Law>
+  Pack add_linear(const Law& law, const double* x, double viscosity, State& state, Axes<Law>& axes,
+                  Real* forces) const noexcept {
     std::array<PackMatrix<Pack>, kPacks> F, R;
     for (int k = 0; k < kPacks; ++k) {
       const auto& pack = packs_[k];
@@ -170,11 +177,12 @@ class alignas(64) ElementBlock {
           pack.gradient_of({pack.difference(x, 1), pack.difference(x, 2), pack.difference(x, 3)});
     }
     update_rotations(F, state, R);
+    law.prepare(state, axes);
     Pack energy{};
     for (int k = 0; k < kPacks; ++k) {
       const auto& pack = packs_[k];
       PackMatrix<Pack> P;
-      energy += add_stress(pack.mu, pack.lambda, viscosity, state[k], R[k], P);
+      energy += add_stress(law, pack.mu, pack.lambda, viscosity, state[k], axes[k], R[k], P);
       Vector rest{};
       for (int i = 0; i < 3; ++i) {
         const Vector t = pack.traction(P, i);
@@ -186,7 +194,9 @@ class alignas(64) ElementBlock {
     return energy;
   }
 
-  Pack add_quadratic(const double* x, double viscosity, State& state, Real* forces) const noexcept {
+  template <class Law>
+  Pack add_quadratic(const Law& law, const double* x, double viscosity, State& state,
+                     Axes<Law>& axes, Real* forces) const noexcept {
     // Barycentric coordinates of point p are kFar, and kNear for the p-th.
     const Pack low = math::splat<Pack>(4 * kFar - 1), far4 = math::splat<Pack>(4 * kFar);
     const Pack rise = math::splat<Pack>(4 * (kNear - kFar));
@@ -214,6 +224,7 @@ class alignas(64) ElementBlock {
       F[p] = pack.gradient_of(c);
     }
     update_rotations(F, state, R);
+    law.prepare(state, axes);
     Pack energy{};
     std::array<Vector, 4> sum{};       // sum over the points of the traction of each corner
     std::array<Vector, 10> special{};  // contribution of the near corner
@@ -221,7 +232,7 @@ class alignas(64) ElementBlock {
                                        // constants
     for (int p = 0; p < 4; ++p) {
       PackMatrix<Pack> P;
-      energy += add_stress(pack.mu, pack.lambda, viscosity, state[p], R[p], P);
+      energy += add_stress(law, pack.mu, pack.lambda, viscosity, state[p], axes[p], R[p], P);
       Vector rest{};
       for (int i = 1; i < 4; ++i) {
         const Vector t = pack.traction(P, i - 1);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/elasticity/element_block.hpp"
+#include "core/elasticity/principal_kernel.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -47,12 +48,13 @@ std::vector<int> block_order(const mesh::ElementMesh& mesh, const std::vector<in
   return order;
 }
 
-template <class Pack, int kNodes>
+/// `Law`: as LinearStress.
+template <class Pack, int kNodes, class Law>
 class BlockForces final : public ElementForces {
  public:
-  BlockForces(const mesh::ElementMesh& mesh, const std::vector<Lame>& materials,
+  BlockForces(const Law& law, const mesh::ElementMesh& mesh, const std::vector<Lame>& materials,
               const std::vector<int>& numbering, math::Team& team)
-      : team_(team) {
+      : law_(law), team_(team) {
     const int count = mesh.element_count();
     constexpr int kWidth = Block::kElements;
     blocks_.resize((count + kWidth - 1) / kWidth);
@@ -65,6 +67,7 @@ class BlockForces final : public ElementForces {
       }
     }
     state_.resize(blocks_.size());
+    axes_.resize(blocks_.size());
     std::vector<bool> is_known(numbering.size());
     for (int e = 0; e < count; ++e) {
       for (int m = 4; m < kNodes; ++m) {
@@ -112,7 +115,10 @@ class BlockForces final : public ElementForces {
     team_.run(keep);
   }
 
-  void reset() noexcept override { std::fill(state_.begin(), state_.end(), BlockState()); }
+  void reset() noexcept override {
+    std::fill(state_.begin(), state_.end(), BlockState());
+    std::fill(axes_.begin(), axes_.end(), BlockAxes());
+  }
 
   void node_rotations(Eigen::Matrix4Xf& rotations) noexcept override {
     const auto of_elements = [&](int member, int size) {
@@ -152,6 +158,7 @@ class BlockForces final : public ElementForces {
   using Block = ElementBlock<Pack, kNodes>;
   using Field = Eigen::Matrix<typename Block::Real, 4, Eigen::Dynamic>;
   using BlockState = typename Block::State;
+  using BlockAxes = typename Block::template Axes<Law>;
   struct Midside {
     int node;
     std::array<int, 2> ends;
@@ -180,36 +187,49 @@ class BlockForces final : public ElementForces {
                   Field& sums) noexcept {
     Pack energy{};
     for (int b = blocks.begin; b < blocks.end; ++b) {
-      energy += blocks_[b].add(x.data(), viscosity, state_[b], sums.data());
+      energy += blocks_[b].add(law_, x.data(), viscosity, state_[b], axes_[b], sums.data());
     }
     return energy;
   }
 
+  Law law_;
   math::Team& team_;
   std::vector<Block> blocks_;
   std::vector<BlockState> state_;
+  std::vector<BlockAxes> axes_;
   std::vector<Midside> midsides_;
   std::vector<Part> parts_;
 };
 
-}  // namespace
-
-std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
-                                                   const std::vector<Lame>& materials,
-                                                   const std::vector<int>& numbering,
-                                                   Precision precision, math::Team& team) {
+template <class Law>
+std::unique_ptr<ElementForces> make_block_forces(const Law& law, const mesh::ElementMesh& mesh,
+                                                 const std::vector<Lame>& lame,
+                                                 const std::vector<int>& numbering,
+                                                 Precision precision, math::Team& team) {
   using math::Pack4d;
   using math::Pack8f;
   if (mesh.order == mesh::ElementOrder::kLinear) {
     if (precision == Precision::kDouble) {
-      return std::make_unique<BlockForces<Pack4d, 4>>(mesh, materials, numbering, team);
+      return std::make_unique<BlockForces<Pack4d, 4, Law>>(law, mesh, lame, numbering, team);
     }
-    return std::make_unique<BlockForces<Pack8f, 4>>(mesh, materials, numbering, team);
+    return std::make_unique<BlockForces<Pack8f, 4, Law>>(law, mesh, lame, numbering, team);
   }
   if (precision == Precision::kDouble) {
-    return std::make_unique<BlockForces<Pack4d, 10>>(mesh, materials, numbering, team);
+    return std::make_unique<BlockForces<Pack4d, 10, Law>>(law, mesh, lame, numbering, team);
   }
-  return std::make_unique<BlockForces<Pack8f, 10>>(mesh, materials, numbering, team);
+  return std::make_unique<BlockForces<Pack8f, 10, Law>>(law, mesh, lame, numbering, team);
+}
+
+}  // namespace
+
+std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
+                                                   const ElementMaterials& materials,
+                                                   const std::vector<int>& numbering,
+                                                   Precision precision, math::Team& team) {
+  if (!materials.law)
+    return make_block_forces(LinearStress(), mesh, materials.lame, numbering, precision, team);
+  return make_block_forces(HyperelasticStress{*materials.law}, mesh, materials.lame, numbering,
+                           precision, team);
 }
 
 std::vector<int> mesh_numbering(const mesh::ElementMesh& mesh) {

@@ -47,11 +47,11 @@ class ElementForces {
   virtual ElementDoubts doubts(const NodalField& x, double limit) const noexcept = 0;
 };
 
-/// `numbering[node]`: column of a mesh node in nodal fields. `materials`: Lame parameters of each
-/// element. `team` must outlive the result; its size determines the summation order of the
-/// elements' forces. Throws std::invalid_argument if an element has no positive volume.
+/// `numbering[node]`: column of a mesh node in nodal fields. `team` must outlive the result; its
+/// size determines the summation order of the elements' forces. Throws std::invalid_argument if an
+/// element has no positive volume.
 std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
-                                                   const std::vector<Lame>& materials,
+                                                   const ElementMaterials& materials,
                                                    const std::vector<int>& numbering,
                                                    Precision precision,
                                                    math::Team& team = math::solo_team);

@@ -6,7 +6,9 @@
 namespace palpate::elasticity {
 
 ElementSet::ElementSet(const Body& body)
-    : mesh_(body.mesh), nodal_mass_(Eigen::VectorXd::Zero(body.mesh.node_count())) {
+    : mesh_(body.mesh),
+      materials_(element_materials(body)),
+      nodal_mass_(Eigen::VectorXd::Zero(body.mesh.node_count())) {
   const bool is_linear = mesh_.order == mesh::ElementOrder::kLinear;
   for (int e = 0; e < mesh_.element_count(); ++e) {
     const double volume = tetrahedron_volume(rest_corners(e));
@@ -14,7 +16,6 @@ ElementSet::ElementSet(const Body& body)
       throw std::invalid_argument("element " + std::to_string(e) + " has no positive volume");
     }
     const Material& material = body.material_of(e);
-    lame_.push_back(lame(material));
     density_.push_back(material.density);
     volume_ += volume;
     for (int a = 0; a < nodes_per_element(); ++a) {
@@ -44,7 +45,8 @@ void ElementSet::element_stiffness(int element, const Eigen::Matrix3Xd& x, Tange
   }
   K.setZero(3 * kNodes, 3 * kNodes);
   for (const auto& g : gradients) {
-    const PointTangent t = point_tangent(d * g.transpose(), lame_[element], kind, viscous);
+    const PointTangent t =
+        point_tangent(d * g.transpose(), materials_.lame[element], kind, viscous);
     const Eigen::Matrix<double, 3, kNodes> h = t.rotation * g;
     for (int a = 0; a < kNodes; ++a) {
       const Eigen::Matrix3d left = math::cross_matrix(h.col(a)) * t.twist;

@@ -17,12 +17,12 @@ class ElementSet {
   int element_count() const { return static_cast<int>(mesh_.element_count()); }
   int nodes_per_element() const { return mesh_.nodes_per_element(); }
   const mesh::ElementMesh& mesh() const { return mesh_; }
-  const std::vector<Lame>& materials() const { return lame_; }
+  const ElementMaterials& materials() const { return materials_; }
   double volume() const { return volume_; }  // m^3, at rest
   Eigen::Matrix<double, 3, 4> rest_corners(int element) const;
 
-  /// Symmetric tangent of one element at positions x (3 x n), 3 N x 3 N, plus `viscous` times its
-  /// warped stiffness.
+  /// Symmetric tangent of one element at positions x (3 x n), 3 N x 3 N, with the linear law, plus
+  /// `viscous` times its warped stiffness.
   void stiffness(int element, const Eigen::Matrix3Xd& x, Tangent kind, double viscous,
                  Eigen::MatrixXd& K) const;
 
@@ -39,7 +39,7 @@ class ElementSet {
                          Eigen::MatrixXd& K) const;
 
   mesh::ElementMesh mesh_;
-  std::vector<Lame> lame_;       // by element
+  ElementMaterials materials_;
   std::vector<double> density_;  // by element, kg/m^3
   double volume_ = 0;
   Eigen::VectorXd nodal_mass_;

@@ -1,8 +1,10 @@
 #include "core/elasticity/element_stress.hpp"
 
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
+#include "core/elasticity/principal_kernel.hpp"
 #include "core/elasticity/tetrahedron_pack.hpp"
 
 namespace palpate::elasticity {
@@ -27,7 +29,8 @@ template <int kNodes>
 class PackStress final : public StressEvaluator {
  public:
   explicit PackStress(const ElementSet& elements)
-      : packs_(elements),
+      : law_(elements.materials().law),
+        packs_(elements),
         elements_(elements.element_count()),
         x_(NodalField::Zero(4, elements.mesh().node_count())) {}
 
@@ -49,11 +52,24 @@ class PackStress final : public StressEvaluator {
     const auto F = block.deformation(x_);
     typename Block::template PerPoint<PackMatrix<Pack4d>> R;
     update_rotations(F, state, R);
+    typename Block::template PerPoint<PackSymmetric<Pack4d>> tau;
+    if (law_) {
+      typename Block::template PerPoint<PrincipalAxes<Pack4d>> at;
+      find_principal_axes(state, at);
+      for (int p = 0; p < Block::kPoints; ++p) {
+        const PrincipalResponse<Pack4d> response(*law_, block.mu(), block.lambda(), at[p].strain);
+        PackVector<Pack4d> principal;
+        for (int k = 0; k < 3; ++k) principal[k] = response.stress[k] * response.stretch[k];
+        tau[p] = from_principal(at[p].axes, principal);
+      }
+    } else {
+      for (int p = 0; p < Block::kPoints; ++p)
+        tau[p] = kirchhoff(state[p].strain, block.mu(), block.lambda());
+    }
     PackMatrix<Pack4d> sum{};
     Pack4d volume{};
     for (int p = 0; p < Block::kPoints; ++p) {
-      const PackMatrix<Pack4d> stress =
-          turned(R[p], kirchhoff(state[p].strain, block.mu(), block.lambda()));
+      const PackMatrix<Pack4d> stress = turned(R[p], tau[p]);
       for (int k = 0; k < 9; ++k) sum[k] += stress[k];
       const PackMatrix<Pack4d>& f = F[p];
       volume += f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
@@ -70,6 +86,7 @@ class PackStress final : public StressEvaluator {
     }
   }
 
+  std::optional<StretchLaw> law_;
   Packs packs_;
   int elements_;
   NodalField x_;

@@ -24,7 +24,7 @@ class StressEvaluator {
 
   /// At positions x (3 x n):
   ///   sigma = sum_p w_p P F^T / sum_p w_p det F   over the quadrature points,
-  ///   P F^T = R (2 mu E + lambda tr(E) I) (I + E) R^T, E = R^T F - I.
+  ///   P F^T = R (2 mu E + lambda tr(E) I) (I + E) R^T, E = R^T F - I, with the linear law.
   /// The volume of an element that is inverted or compressed to less than a hundredth counts as
   /// that hundredth, so that its stress remains finite. Allocates if `out` has a different size.
   virtual void evaluate(const Eigen::Matrix3Xd& x, ElementStress& out) noexcept = 0;

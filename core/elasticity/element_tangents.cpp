@@ -1,7 +1,10 @@
 #include "core/elasticity/element_tangents.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <optional>
 #include <vector>
 
+#include "core/elasticity/principal_kernel.hpp"
 #include "core/elasticity/tetrahedron_pack.hpp"
 
 namespace palpate::elasticity {
@@ -53,6 +56,36 @@ Matrix transposed(const Matrix& m) {
   return {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
 }
 
+Matrix product(const Matrix& A, const Matrix& B) {
+  Matrix out;
+  for (int i = 0; i < 9; i += 3) {
+    for (int j = 0; j < 3; ++j)
+      out[i + j] = A[i] * B[j] + A[i + 1] * B[3 + j] + A[i + 2] * B[6 + j];
+  }
+  return out;
+}
+
+/// Sets negative eigenvalues to zero, lane by lane.
+void make_semidefinite(PrincipalTangent<Pack4d>& point) {
+  for (int k = 0; k < 3; ++k) {
+    point.axes[k] = point.axes[k] > 0 ? point.axes[k] : Pack4d{};
+    point.turn[k] = point.turn[k] > 0 ? point.turn[k] : Pack4d{};
+  }
+  Symmetric& H = point.hessian;
+  for (int lane = 0; lane < math::kLanes<Pack4d>; ++lane) {
+    Eigen::Matrix3d h;
+    h << H[0][lane], H[3][lane], H[4][lane], H[3][lane], H[1][lane], H[5][lane], H[4][lane],
+        H[5][lane], H[2][lane];
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(h);
+    const Eigen::Vector3d values = eigen.eigenvalues().cwiseMax(0);
+    h = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+    for (int k = 0; k < 3; ++k) H[k][lane] = h(k, k);
+    H[3][lane] = h(0, 1);
+    H[4][lane] = h(0, 2);
+    H[5][lane] = h(1, 2);
+  }
+}
+
 /// The nine numbers of each lane, lane by lane.
 struct Lanes {
   explicit Lanes(const Matrix& m) {
@@ -67,7 +100,9 @@ template <int kNodes>
 class PackTangents final : public ElementTangents {
  public:
   PackTangents(const ElementSet& elements, const factor::BlockPattern& pattern)
-      : packs_(elements), x_(NodalField::Zero(4, elements.mesh().node_count())) {
+      : law_(elements.materials().law),
+        packs_(elements),
+        x_(NodalField::Zero(4, elements.mesh().node_count())) {
     for (const Block& block : packs_.blocks) {
       for (int a = 0; a < kNodes; ++a) {
         for (int b = a; b < kNodes; ++b) {
@@ -91,7 +126,14 @@ class PackTangents final : public ElementTangents {
     if (warped) warped->set_zero();
     const Target* targets = targets_.data();
     for (std::size_t b = 0; b < packs_.blocks.size(); ++b, targets += kTargets) {
-      add(packs_.blocks[b], packs_.states[b], kind, targets, tangent, warped);
+      if (law_ && kind != Tangent::kWarped) {
+        add_hyperelastic(packs_.blocks[b], packs_.states[b], kind, targets, tangent);
+        if (warped) {
+          add(packs_.blocks[b], packs_.states[b], Tangent::kWarped, targets, *warped, nullptr);
+        }
+      } else {
+        add(packs_.blocks[b], packs_.states[b], kind, targets, tangent, warped);
+      }
     }
   }
 
@@ -157,6 +199,57 @@ class PackTangents final : public ElementTangents {
     }
   }
 
+  void add_hyperelastic(const Block& block, typename Packs::State& state, Tangent kind,
+                        const Target* target, factor::BlockMatrix& tangent) noexcept {
+    const PerPoint<Matrix> F = block.deformation(x_);
+    PerPoint<Matrix> R;
+    update_rotations(F, state, R);
+    PerPoint<PrincipalAxes<Pack4d>> at;
+    find_principal_axes(state, at);
+    PerPoint<Matrix> U;                         // principal axes in space, R V
+    PerPoint<std::array<Vector, kNodes>> g;     // V^T grad N_a
+    PerPoint<std::array<Matrix, 2>> stiffness;  // of D_ij against itself, and against D_ji
+    PerPoint<Symmetric> hessian;
+    for (int p = 0; p < Block::kPoints; ++p) {
+      const Matrix& V = at[p].axes;
+      U[p] = product(R[p], V);
+      for (int a = 0; a < kNodes; ++a) {
+        const Vector& n = block.gradients()[p][a];
+        for (int i = 0; i < 3; ++i) g[p][a][i] = V[i] * n[0] + V[3 + i] * n[1] + V[6 + i] * n[2];
+      }
+      PrincipalTangent<Pack4d> point(
+          PrincipalResponse<Pack4d>(*law_, block.mu(), block.lambda(), at[p].strain));
+      if (kind == Tangent::kSemidefinite) make_semidefinite(point);
+      hessian[p] = point.hessian;
+      stiffness[p] = {};
+      for (int k = 0; k < 3; ++k) {
+        const int ij = 3 * ((k + 1) % 3) + (k + 2) % 3, ji = 3 * ((k + 2) % 3) + (k + 1) % 3;
+        stiffness[p][0][ij] = stiffness[p][0][ji] = point.same(k);
+        stiffness[p][1][ij] = stiffness[p][1][ji] = point.crossed(k);
+      }
+    }
+    for (int a = 0; a < kNodes; ++a) {
+      for (int b = a; b < kNodes; ++b, target += Block::kWidth) {
+        Matrix K{};
+        for (int p = 0; p < Block::kPoints; ++p) {
+          const Vector &ga = g[p][a], &gb = g[p][b];
+          const Symmetric& H = hessian[p];
+          Matrix k;  // in principal axes
+          for (int i = 0; i < 3; ++i) {
+            const int m = (i + 1) % 3, n = (i + 2) % 3;
+            k[4 * i] = H[i] * ga[i] * gb[i] + stiffness[p][0][3 * i + m] * ga[m] * gb[m] +
+                       stiffness[p][0][3 * i + n] * ga[n] * gb[n];
+            k[3 * m + n] = H[5 - i] * ga[m] * gb[n] + stiffness[p][1][3 * m + n] * ga[n] * gb[m];
+            k[3 * n + m] = H[5 - i] * ga[n] * gb[m] + stiffness[p][1][3 * m + n] * ga[m] * gb[n];
+          }
+          const Matrix turned_k = product(product(U[p], k), transposed(U[p]));
+          for (int c = 0; c < 9; ++c) K[c] += turned_k[c];
+        }
+        scatter(K, target, tangent);
+      }
+    }
+  }
+
   static void scatter(const Matrix& K, const Target* target, factor::BlockMatrix& to) noexcept {
     // blocks are column-major, packs hold rows
     const Lanes upper(transposed(K)), lower(K);
@@ -171,6 +264,7 @@ class PackTangents final : public ElementTangents {
     }
   }
 
+  std::optional<StretchLaw> law_;
   Packs packs_;
   std::vector<Target> targets_;  // lanes of each pair of nodes, block after block
   NodalField x_;

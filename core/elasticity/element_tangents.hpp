@@ -8,8 +8,8 @@
 namespace palpate::elasticity {
 
 /// Stiffness of all elements of a body, four elements at once, assembled directly into block
-/// matrices: the sum of the matrices of ElementSet::stiffness. Keeps the rotations of the last
-/// shape as starting points; not thread-safe.
+/// matrices: with the linear law the sum of the matrices of ElementSet::stiffness. Keeps the
+/// rotations of the last shape as starting points; not thread-safe.
 class ElementTangents {
  public:
   virtual ~ElementTangents() = default;

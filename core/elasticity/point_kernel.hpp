@@ -8,7 +8,7 @@
 #include "core/math/polar.hpp"
 
 // Operations at a quadrature point, for all lanes of a pack at once: polar decomposition, energy
-// and stress of the co-rotated material.
+// and stress.
 namespace palpate::elasticity {
 
 template <class Pack>
@@ -174,31 +174,55 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
   }
 }
 
+/// Stress of the linear law, mu |E|^2 + lambda/2 tr^2 E. What add_stress() asks of a law: `Axes`, a
+/// point's data that prepare() finds for several points in succession and that is kept for the next
+/// evaluation, and evaluate().
+struct LinearStress {
+  template <class Pack>
+  struct Axes {};
+
+  template <class Pack, std::size_t kCount>
+  void prepare(const std::array<PointState<Pack>, kCount>&,
+               std::array<Axes<Pack>, kCount>&) const noexcept {}
+
+  /// Energy density; sets T = R^T P.
+  template <class Pack>
+  [[gnu::always_inline]] Pack evaluate(Pack mu, Pack lambda, const PackSymmetric<Pack>& E,
+                                       const Axes<Pack>&, PackMatrix<Pack>& T) const noexcept {
+    const Pack mu2 = mu + mu;
+    const Pack half = math::splat<Pack>(0.5);
+    const Pack trace = E[0] + E[1] + E[2];
+    const Pack energy = mu * detail::square(E) + half * lambda * trace * trace;
+    const Pack pressure = lambda * trace;
+    T[0] = mu2 * E[0] + pressure;
+    T[4] = mu2 * E[1] + pressure;
+    T[8] = mu2 * E[2] + pressure;
+    T[1] = T[3] = mu2 * E[3];
+    T[2] = T[6] = mu2 * E[4];
+    T[5] = T[7] = mu2 * E[5];
+    return energy;
+  }
+};
+
 /// Energy density and first Piola-Kirchhoff stress P of
-///   mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
-/// E0 being the strain at the beginning of the step: Rayleigh damping in the rotated frame, which
-/// does not act on rigid motions, and whose stress is the exact derivative of its potential. Always
-/// inlined, so that P stays in registers on its way to the nodes.
-template <class Pack>
-[[gnu::always_inline]] inline Pack add_stress(Pack mu, Pack lambda, double viscosity,
-                                              const PointState<Pack>& state,
+///   Psi(E) + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
+/// Psi being the energy of `law` and E0 the strain at the beginning of the step: Rayleigh damping
+/// in the rotated frame, which does not act on rigid motions, and whose stress is the exact
+/// derivative of its potential. Always inlined, so that P stays in registers on its way to the
+/// nodes.
+template <class Law, class Pack>
+[[gnu::always_inline]] inline Pack add_stress(const Law& law, Pack mu, Pack lambda,
+                                              double viscosity, const PointState<Pack>& state,
+                                              const typename Law::template Axes<Pack>& axes,
                                               const PackMatrix<Pack>& R,
                                               PackMatrix<Pack>& P) noexcept {
   const PackSymmetric<Pack>& E = state.strain;
-  const Pack mu2 = mu + mu;
-  const Pack half = math::splat<Pack>(0.5);
-  const Pack trace = E[0] + E[1] + E[2];
-  Pack energy = mu * detail::square(E) + half * lambda * trace * trace;
   PackMatrix<Pack> T;  // R^T P
-  const Pack pressure = lambda * trace;
-  T[0] = mu2 * E[0] + pressure;
-  T[4] = mu2 * E[1] + pressure;
-  T[8] = mu2 * E[2] + pressure;
-  T[1] = T[3] = mu2 * E[3];
-  T[2] = T[6] = mu2 * E[4];
-  T[5] = T[7] = mu2 * E[5];
+  Pack energy = law.evaluate(mu, lambda, E, axes, T);
 
   if (viscosity > 0) {
+    const Pack mu2 = mu + mu;
+    const Pack half = math::splat<Pack>(0.5);
     const Pack viscous = math::splat<Pack>(viscosity);
     const PackSymmetric<Pack>& Z = state.previous_strain;
     const PackSymmetric<Pack> D{E[0] - Z[0], E[1] - Z[1], E[2] - Z[2],

@@ -9,8 +9,9 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// Derivatives of the Lame parameters with respect to Poisson's ratio.
-std::vector<Lame> lame_by_poisson(const Body& body) {
+/// Derivatives of the Lame parameters with respect to Poisson's ratio: forces are linear in the
+/// parameters with every law.
+ElementMaterials materials_by_poisson(const Body& body) {
   std::vector<Lame> all;
   for (int e = 0; e < body.mesh.element_count(); ++e) {
     const Material& m = body.material_of(e);
@@ -18,7 +19,7 @@ std::vector<Lame> lame_by_poisson(const Body& body) {
     all.push_back({-m.young_modulus / (2 * (1 + nu) * (1 + nu)),
                    m.young_modulus * (1 + 2 * nu * nu) / (s * s)});
   }
-  return all;
+  return {std::move(all), body.law};
 }
 
 }  // namespace
@@ -62,7 +63,7 @@ StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
       free_(std::move(free)),
       nodal_mass_(elements.nodal_mass()),
       forces_(body.mesh, elements.materials()),
-      poisson_forces_(body.mesh, lame_by_poisson(body)) {}
+      poisson_forces_(body.mesh, materials_by_poisson(body)) {}
 
 void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
                              const factor::SupernodalFactor& factor, Sensitivity& out) {

@@ -54,8 +54,8 @@ class alignas(64) TetrahedronPack {
         }
       }
       weight_[lane] = first + lane == e ? tetrahedron_volume(corners) / kPoints : 0;
-      mu_[lane] = weight_[lane] * elements.materials()[e].mu;
-      lambda_[lane] = weight_[lane] * elements.materials()[e].lambda;
+      mu_[lane] = weight_[lane] * elements.materials().lame[e].mu;
+      lambda_[lane] = weight_[lane] * elements.materials().lame[e].lambda;
       count_ += first + lane == e;
     }
   }

@@ -2,7 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <optional>
 
+#include "core/elasticity/principal_kernel.hpp"
 #include "core/math/polar.hpp"
 #include "core/math/rigid.hpp"
 
@@ -30,21 +32,50 @@ Matrix3d cofactor(const Matrix3d& F) {
 struct PointStress {
   Matrix3d F, R, P;    // deformation gradient, its rotation, first Piola-Kirchhoff stress, Pa
   double trace_E = 0;  // trace of R^T F - I
+  Matrix3d V;          // hyperelastic: principal axes of R^T F, and what follows from its stretches
+  std::optional<PrincipalTangent<double>> tangent;
 };
 
-PointStress point_stress(const Matrix3d& F, const Lame& lame, Eigen::Quaterniond& rotation) {
+PointStress point_stress(const Matrix3d& F, const Lame& lame, const std::optional<StretchLaw>& law,
+                         Eigen::Quaterniond& rotation) {
   PointStress point;
   point.F = F;
   point.R = math::polar_rotation(F, rotation);
+  if (law) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(Matrix3d(point.R.transpose() * F));
+    const Vector3d e = solver.eigenvalues().array() - 1;
+    const PrincipalResponse<double> response(*law, lame.mu, lame.lambda, {e[0], e[1], e[2]});
+    point.V = solver.eigenvectors();
+    point.P = point.R * point.V *
+              Vector3d(response.stress[0], response.stress[1], response.stress[2]).asDiagonal() *
+              point.V.transpose();
+    point.tangent.emplace(response);
+    return point;
+  }
   point.trace_E = point.R.cwiseProduct(F).sum() - 3;
   point.P = 2 * lame.mu * (F - point.R) + lame.lambda * point.trace_E * point.R;
   return point;
 }
 
-/// d (A : P F^T) / d F for a constant symmetric A, with P = 2 mu (F - R) + lambda tr(R^T F - I) R
-/// and dR = R [w]x, w = H vee(R^T dF), H = (tr(S) I - S)^-1.
+/// dP for dF, which is symmetric: also d(A : P) / dF for A = dF.
+Matrix3d by_deformation(const Matrix3d& dF, const PointStress& point) {
+  const Matrix3d U = point.R * point.V, D = U.transpose() * dF * point.V;
+  const PrincipalTangent<double>& t = *point.tangent;
+  Matrix3d dP;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    dP(k, k) = t.hessian[k] * D(k, k) + t.hessian[5 - j] * D(i, i) + t.hessian[5 - i] * D(j, j);
+    dP(i, j) = t.same(k) * D(i, j) + t.crossed(k) * D(j, i);
+    dP(j, i) = t.same(k) * D(j, i) + t.crossed(k) * D(i, j);
+  }
+  return U * dP * point.V.transpose();
+}
+
+/// d (A : P F^T) / d F for a constant symmetric A; linear: P = 2 mu (F - R) + lambda tr(R^T F - I)
+/// R and dR = R [w]x, w = H vee(R^T dF), H = (tr(S) I - S)^-1.
 Matrix3d by_deformation(const Matrix3d& A, const PointStress& point, const Lame& lame) {
   const Matrix3d C = A * point.F;
+  if (point.tangent) return by_deformation(C, point) + A * point.P;
   const Vector3d turn = math::polar_spin(point.R, point.F) * vee(point.R.transpose() * C);
   const double l = lame.lambda;
   return 2 * lame.mu * C + l * C.cwiseProduct(point.R).sum() * point.R +
@@ -95,13 +126,15 @@ Matrix3d WorstElements::deformation(const Eigen::Matrix3Xd& x, int element,
 /// s = sqrt(3/2) |dev sigma| with sigma = sum_p w P F^T / V, V = sum_p w det F, so that with
 /// A = ds / dsigma = 3/2 dev sigma / s:  V ds = sum_p w (A : d(P F^T) - s d det F).
 void WorstElements::evaluate_stress(const Eigen::Matrix3Xd& x, ElementStrain& out) noexcept {
-  const Lame& lame = elements_.materials()[out.element];
+  const ElementMaterials& materials = elements_.materials();
+  const Lame& lame = materials.lame[out.element];
   Point* points = points_of(out.element);
   std::array<PointStress, 4> at;
   Matrix3d sum = Matrix3d::Zero();
   double volume = 0, at_rest = 0;
   for (int p = 0; p < points_per_element_; ++p) {
-    at[p] = point_stress(deformation(x, out.element, points[p]), lame, points[p].rotation);
+    at[p] = point_stress(deformation(x, out.element, points[p]), lame, materials.law,
+                         points[p].rotation);
     sum += points[p].weight * at[p].P * at[p].F.transpose();
     volume += points[p].weight * at[p].F.determinant();
     at_rest += points[p].weight;

@@ -73,8 +73,8 @@ void CauseResponses::divide(const elasticity::Body& body) {
       half.elements.col(static_cast<Eigen::Index>(i)) = mesh.elements.col(elements[i]);
       materials.push_back(elasticity::lame(body.material_of(elements[i])));
     }
-    halves_.push_back(
-        {elasticity::MeshForces(half, materials), Eigen::Matrix3Xd::Zero(3, mesh.node_count())});
+    halves_.push_back({elasticity::MeshForces(half, {std::move(materials), body.law}),
+                       Eigen::Matrix3Xd::Zero(3, mesh.node_count())});
   }
 }
 

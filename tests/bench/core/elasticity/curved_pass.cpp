@@ -83,7 +83,8 @@ CurvedPass::Pack CurvedPass::add_block(const double* x, std::size_t b, double* f
   Pack energy{};
   for (int p = 0; p < 4; ++p) {
     PackMatrix<Pack> P;
-    energy += elasticity::add_stress(block.mu[p], block.lambda[p], 0, state_[b][p], R[p], P);
+    energy += elasticity::add_stress(elasticity::LinearStress(), block.mu[p], block.lambda[p], 0,
+                                     state_[b][p], {}, R[p], P);
     std::array<Vector, 4> traction{};  // P grad b_i
     for (int i = 1; i < 4; ++i) {
       const Vector& g = block.gradients[p][i - 1];
