@@ -160,6 +160,14 @@ TEST(Allocation, NoneInTheLoop) {
   expect_no_allocation(with_team);
   Thesis2018 thesis(linear);
   expect_no_allocation(thesis);
+  for (const NamedStretchLaw& named : stretch_laws()) {
+    Body body = quadratic;
+    std::vector<double> constants;
+    for (const auto& constant : named.constants) constants.push_back(constant.start);
+    body.law = named.make(constants);
+    CorotationalQuasistatic hyperelastic(body, options);
+    expect_no_allocation(hyperelastic);
+  }
 }
 
 /// Mirrored without loads, and again under a load that holds it there: the shape is reset the first
