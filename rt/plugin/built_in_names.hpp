@@ -12,8 +12,12 @@ inline constexpr std::array<const char*, 2> kForceTransformers = {"area_coordina
                                                                   "wrench_patch"};
 inline constexpr std::array<const char*, 5> kEstimators = {
     "pose_driven", "force_driven", "wrench_driven", "fingertip_driven", "pose_wrench_filter"};
-inline constexpr std::array<const char*, 5> kDeformationModels = {
-    "corotational_quasistatic", "corotational_dynamic", "linear", "mass_spring", "shape_matching"};
+inline constexpr std::array<const char*, 6> kDeformationModels = {"corotational_quasistatic",
+                                                                  "corotational_dynamic",
+                                                                  "hyperelastic",
+                                                                  "linear",
+                                                                  "mass_spring",
+                                                                  "shape_matching"};
 inline constexpr std::array<const char*, 7> kFeatures = {
     "point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"};
 inline constexpr std::array<const char*, 2> kJacobianProviders = {"fem", "kinematic"};

@@ -114,24 +114,12 @@ void check_no_obstacles(const config::Node& node, const std::string& key, const 
   if (!context.object->obstacles.empty())
     node.fail(key,
               "does not know contact with obstacles; allowed with obstacles: component "
-              "corotational_quasistatic, or corotational_dynamic with integrator "
+              "corotational_quasistatic, hyperelastic, or corotational_dynamic with integrator "
               "backward_euler");
 }
 
-template <class Corotational>
-Model make_corotational(const config::Node& node, const Context& context) {
-  constexpr bool kDynamic = std::is_same_v<Corotational, elasticity::CorotationalDynamic>;
-  const elasticity::Body& body = context.object->body;
-  const std::string integrator =
-      node.choice({"integrator", "",
-                   "Time integration; thesis2018: with the steps of the thesis' program, in "
-                   "corotational_dynamic only"},
-                  {"backward_euler", "thesis2018"}, "backward_euler");
-  if (integrator == "thesis2018") {
-    if (!kDynamic) node.fail("integrator", "thesis2018 needs component corotational_dynamic");
-    check_no_obstacles(node, "integrator", context);
-    return std::make_unique<elasticity::Thesis2018>(body);
-  }
+/// Options of the incremental models.
+elasticity::SolverOptions read_solver(const config::Node& node, const Context& context) {
   elasticity::SolverOptions options = node.read(solver_options());
   complete_factor(node, options);
   if (options.budget > 0)
@@ -147,7 +135,35 @@ Model make_corotational(const config::Node& node, const Context& context) {
                  std::min(kLongestReach, 2 * obstacle.pose_deviation.head<3>().norm()));
   const loop::SpinTeamOptions team = node.read(team_options());
   if (team.size > 1) options.team = std::make_shared<loop::SpinTeam>(team);
-  return std::make_unique<Corotational>(body, options);
+  return options;
+}
+
+template <class Corotational>
+Model make_corotational(const config::Node& node, const Context& context) {
+  constexpr bool kDynamic = std::is_same_v<Corotational, elasticity::CorotationalDynamic>;
+  elasticity::Body body = context.object->body;
+  body.law.reset();
+  const std::string integrator =
+      node.choice({"integrator", "",
+                   "Time integration; thesis2018: with the steps of the thesis' program, in "
+                   "corotational_dynamic only"},
+                  {"backward_euler", "thesis2018"}, "backward_euler");
+  if (integrator == "thesis2018") {
+    if (!kDynamic) node.fail("integrator", "thesis2018 needs component corotational_dynamic");
+    check_no_obstacles(node, "integrator", context);
+    return std::make_unique<elasticity::Thesis2018>(body);
+  }
+  return std::make_unique<Corotational>(std::move(body), read_solver(node, context));
+}
+
+Model make_hyperelastic(const config::Node& node, const Context& context) {
+  const elasticity::Body& body = context.object->body;
+  if (!body.law)
+    node.fail("component",
+              "hyperelastic needs object.material.model, one of the laws other than linear");
+  if (node.flag({"inertia", "", "Motion with inertia and damping instead of equilibrium"}, false))
+    return std::make_unique<elasticity::CorotationalDynamic>(body, read_solver(node, context));
+  return std::make_unique<elasticity::CorotationalQuasistatic>(body, read_solver(node, context));
 }
 
 }  // namespace
@@ -160,6 +176,10 @@ Model make_deformation_model(const config::Node& node, const Context& context) {
                make_corotational<elasticity::CorotationalQuasistatic>)
           .add("corotational_dynamic", "Co-rotational finite elements with inertia and damping",
                make_corotational<elasticity::CorotationalDynamic>)
+          .add("hyperelastic",
+               "The same finite elements with the law of object.material.model, which holds at "
+               "large strain",
+               make_hyperelastic)
           .add("linear", "Linear finite elements, for comparison",
                [](const config::Node&, const Context& in) -> Model {
                  return std::make_unique<elasticity::LinearModel>(in.object->body);
@@ -184,7 +204,8 @@ Model make_deformation_model(const config::Node& node, const Context& context) {
                            {1, 100}, &ShapeMatchingOptions::max_substeps),
               from_options<elasticity::ShapeMatchingModel>());
   const std::string component = slot.name(node, context);
-  if (component.rfind("corotational_", 0) != 0) check_no_obstacles(node, "component", context);
+  if (component != "hyperelastic" && component.rfind("corotational_", 0) != 0)
+    check_no_obstacles(node, "component", context);
   return slot.make(node, context);
 }
 

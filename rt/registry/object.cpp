@@ -139,15 +139,31 @@ std::optional<Box> read_jaws(const config::Node& object, const char* key) {
   return node.read(box_options("in G"));
 }
 
+/// The law that `model` names; null: linear. That of a material file must be the same.
+const elasticity::NamedStretchLaw* read_law(const config::Node& material,
+                                            const std::optional<config::MaterialFile>& file) {
+  std::vector<std::string> names{"linear"};
+  for (const auto& law : elasticity::stretch_laws()) names.push_back(law.name);
+  const std::string model = material.choice(
+      {"model", "",
+       "Law of the material, for deformation.component hyperelastic; the others are linear"},
+      names, "linear");
+  const auto* law = elasticity::find_stretch_law(model);
+  if (law != nullptr && file && file->model() != model)
+    material.fail("model", model + " is not that of the material file, " + file->model());
+  return law;
+}
+
 /// Section `material`, overridden by `material_file`, and section `damping`.
 void read_material(const config::Node& object, const mesh::MeshWithGroups& source,
                    elasticity::Body& body) {
   const config::Node node = config::material_section(object);
   const auto file = config::MaterialFile::read(object);
+  const elasticity::NamedStretchLaw* law = read_law(node, file);
   std::optional<config::Node> linear, fitted;
   if (file) {
-    linear = file->corotational();
     fitted = file->constants();
+    linear = law == nullptr ? file->corotational() : *fitted;
   }
   body.material.young_modulus = config::material_number(
       node, linear, {"young_modulus", "Pa", "Young's modulus E at small strain"}, {1, 1e10});
@@ -155,6 +171,13 @@ void read_material(const config::Node& object, const mesh::MeshWithGroups& sourc
       node, linear, {"poisson_ratio", "", "Poisson's ratio nu"}, {-0.9, 0.4999});
   body.material.density =
       config::material_number(node, fitted, {"density", "kg/m^3", "Mass density"}, {0.1, 1e5});
+  if (law != nullptr) {
+    std::vector<double> constants;
+    for (const auto& [name, description, start, lower, upper] : law->constants)
+      constants.push_back(
+          config::material_number(node, fitted, {name, "", description.c_str()}, {lower, upper}));
+    body.law = law->make(constants);
+  }
   read_stiffness_regions(node, source, body);
   constexpr config::Range kMass{0, 1e4}, kStiffness{0, 10};
   elasticity::Damping& damping = body.damping;

@@ -5,6 +5,7 @@
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
+#include "core/elasticity/corotational_model.hpp"
 #include "tests/support/configured_model.hpp"
 
 namespace palpate::registry {
@@ -45,6 +46,27 @@ TEST(DeformationRegistry, AStepBeyondItsBudgetKeepsItsShapeAndSaysSo) {
   EXPECT_EQ(report.status, elasticity::StepStatus::kNotConverged);
   EXPECT_EQ(report.iterations, 0);
   EXPECT_EQ(model->positions(), model->body().mesh.nodes);
+}
+
+TEST(DeformationRegistry, TheLawOfTheMaterialIsThatOfTheHyperelasticModelAlone) {
+  const auto made = [](const std::string& deformation) {
+    const config::Node root = config::Node::load_file(
+        std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft_hyperelastic.yaml",
+        {"deformation=" + deformation});
+    Context context;
+    context.frames = read_frames(root);
+    const Object object = read_object(root, context.frames);
+    context.object = &object;
+    return make_deformation_model(root.child("deformation"), context);
+  };
+  const auto mooney = elasticity::find_stretch_law("mooney_rivlin")->make({0.2});
+  EXPECT_EQ(made("{component: hyperelastic}")->body().law, mooney);
+  EXPECT_NE(dynamic_cast<elasticity::CorotationalDynamic*>(
+                made("{component: hyperelastic, inertia: true}").get()),
+            nullptr);
+  EXPECT_FALSE(made("{component: corotational_quasistatic}")->body().law.has_value());
+  EXPECT_NE(support::configuration_error("{component: hyperelastic}").find("object.material.model"),
+            std::string::npos);
 }
 
 /// Displacements after 200 steps of 1 ms under a load, the end in the hand, with these keys.

@@ -61,6 +61,23 @@ TEST_F(MaterialFileTest, GoesOverTheObjectsOwnMaterial) {
   EXPECT_EQ(bar("  material_file: fitted.yaml\n").body.material.density, 31);
 }
 
+TEST_F(MaterialFileTest, ItsLawIsTakenWithItsOwnModuliWhereTheModelIsNamed) {
+  write("fitted.yaml", fitted_);
+  const std::string file = "  material_file: fitted.yaml\n";
+  EXPECT_FALSE(bar(file).body.law.has_value());
+  const Object object = bar(file + "  material: {model: ogden_1}\n");
+  EXPECT_EQ(object.body.law, elasticity::find_stretch_law("ogden_1")->make({4}));
+  EXPECT_EQ(object.body.material.young_modulus, 5e4);
+  EXPECT_EQ(object.body.material.poisson_ratio, 0.45);
+  EXPECT_NE(refusal(file + "  material: {model: neo_hookean}\n").find("ogden_1"),
+            std::string::npos);
+  const std::string moduli = "young_modulus: 1e5, poisson_ratio: 0.2, density: 26";
+  EXPECT_NE(refusal("  material: {model: ogden_1, " + moduli + "}\n").find("ogden_exponent"),
+            std::string::npos);
+  EXPECT_NE(refusal("  material: {model: rubber, " + moduli + "}\n").find("neo_hookean"),
+            std::string::npos);
+}
+
 TEST_F(MaterialFileTest, DampingThatIsGivenStands) {
   write("fitted.yaml", fitted_);
   EXPECT_EQ(
