@@ -45,6 +45,12 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--young-modulus", a.options.young_modulus, "Pa; forces scale with it")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  std::vector<std::string> laws;
+  for (const auto& law : elasticity::stretch_laws()) laws.push_back(law.name);
+  app.add_option("--law", a.options.law,
+                 "hyperelastic, with plausible constants; without checks and baselines, which know "
+                 "the linear law")
+      ->check(CLI::IsMember(laws));
   app.add_option("--iterations", a.options.solver.iterations, "corrections per step at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -126,6 +132,11 @@ int run(Arguments& a) {
   o.mechanics = a.mechanics == "dynamic" ? Mechanics::kDynamic : Mechanics::kQuasistatic;
   o.refactor = RefactorPolicy::parse(a.refactor);
   o.solver.time_step = o.dt;
+  if (!o.law.empty()) {
+    if (a.suite || a.scaling || a.floor || o.baselines)
+      throw std::invalid_argument("--law excludes --suite, --scaling, --floor and --baseline");
+    o.checks = 0;
+  }
   choose_factor(a.factor, o.solver);
   if (a.threads > 1) {
     loop::SpinTeamOptions team;
@@ -149,7 +160,7 @@ int run(Arguments& a) {
   std::vector<FloorReport> floors;
   for (const LatencyOptions& options : wanted) {
     rows.push_back({options, run_in_thread(options)});
-    if (a.floor) floors.push_back(find_floor(rows.back()));
+    if (a.floor && options.law.empty()) floors.push_back(find_floor(rows.back()));
     if (wanted.size() > 1) std::cerr << options.mesh.text() << " done\n";
   }
   print_latency(rows, std::cout);

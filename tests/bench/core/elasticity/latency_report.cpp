@@ -68,14 +68,15 @@ void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out) {
   for (const LatencyRow& row : rows) {
     const LatencyResult& r = row.result;
     const bool dynamic = row.options.mechanics == Mechanics::kDynamic;
-    table.add(
-        {row.options.mesh.text(), letter_of(row.options.motion) + (dynamic ? " dyn" : " stat"),
-         std::to_string(threads_of(row.options)), number(r.iterations.mean(), 2),
-         ms(r.step.wall.quantile(0)), ms(r.step.wall.quantile(0.5)), ms(r.step.wall.quantile(0.99)),
-         ms(r.step.wall.quantile(0.999)), ms(r.step.wall.max()), ms(r.step.cpu.quantile(0.5)),
-         ms(r.step.cpu.quantile(0.99)), error_text(r), std::to_string(r.failed),
-         std::to_string(r.refactorisations), ms(r.refactor_wall.quantile(0.5)),
-         number(1e3 * r.factor_age.quantile(0.5), 0), "", ""});
+    table.add({row.options.mesh.text() + (row.options.law.empty() ? "" : " " + row.options.law),
+               letter_of(row.options.motion) + (dynamic ? " dyn" : " stat"),
+               std::to_string(threads_of(row.options)), number(r.iterations.mean(), 2),
+               ms(r.step.wall.quantile(0)), ms(r.step.wall.quantile(0.5)),
+               ms(r.step.wall.quantile(0.99)), ms(r.step.wall.quantile(0.999)),
+               ms(r.step.wall.max()), ms(r.step.cpu.quantile(0.5)), ms(r.step.cpu.quantile(0.99)),
+               error_text(r), std::to_string(r.failed), std::to_string(r.refactorisations),
+               ms(r.refactor_wall.quantile(0.5)), number(1e3 * r.factor_age.quantile(0.5), 0), "",
+               ""});
     add_baseline(table, "full CHOLMOD", r.cholmod, r);
     add_baseline(table, "Jacobi-PCG", r.pcg, r);
   }
@@ -92,6 +93,7 @@ nlohmann::json to_json(const LatencyRow& row) {
       {"motion", letter_of(o.motion)},
       {"mechanics", o.mechanics == Mechanics::kDynamic ? "dynamic" : "quasistatic"},
       {"young_modulus", o.young_modulus},
+      {"law", o.law.empty() ? "linear" : o.law},
       {"threads", threads_of(o)},
       {"iterations", o.solver.iterations},
       {"tolerance", o.solver.tolerance},

@@ -87,7 +87,7 @@ LatencyResult run_latency(const LatencyOptions& options) {
                      &result.sensitivity_age}) {
     *s = Samples(capacity);
   }
-  const Scenario scenario(options.mesh, options.motion, options.young_modulus);
+  const Scenario scenario(options.mesh, options.motion, options.young_modulus, options.law);
   const Matrix3Xd& rest = scenario.body().mesh.nodes;
   const auto model = make_model(scenario.body(), options.mechanics, options.solver);
   RefactorService service(options.refactor);

@@ -11,7 +11,9 @@ struct LatencyOptions {
   BarMesh mesh;
   Motion motion = Motion::kLarge;
   Mechanics mechanics = Mechanics::kDynamic;
-  double young_modulus = 1e5;        // Pa
+  double young_modulus = 1e5;  // Pa
+  std::string
+      law;  // of Scenario; with a law `checks` and `baselines`, which are linear, must be off
   elasticity::SolverOptions solver;  // iterations, tolerance
   RefactorPolicy refactor;
   double dt = 1e-3;      // s

@@ -20,6 +20,13 @@ std::vector<LatencyOptions> suite_of_goals(LatencyOptions common) {
     suite.push_back(common);
     if (nodes != 2997) suite.back().solver.team = nullptr;
   }
+  LatencyOptions large_strain = suite.front();
+  large_strain.baselines = false;
+  large_strain.checks = 0;
+  for (const auto& law : elasticity::stretch_laws()) {
+    large_strain.law = law.name;
+    suite.push_back(large_strain);
+  }
   return suite;
 }
 
@@ -49,7 +56,7 @@ void draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
     common::Curve pcg{name + " Jacobi-PCG", {}, {}, false};
     std::vector<const LatencyRow*> sorted;
     for (const LatencyRow& row : rows) {
-      if (row.options.mesh.order == order) sorted.push_back(&row);
+      if (row.options.mesh.order == order && row.options.law.empty()) sorted.push_back(&row);
     }
     std::sort(sorted.begin(), sorted.end(), [](const LatencyRow* a, const LatencyRow* b) {
       return a->options.mesh.node_count() < b->options.mesh.node_count();

@@ -5,8 +5,8 @@
 namespace palpate::bench {
 
 /// The configurations with performance goals: quadratic 475 and 1225, linear 1008 and 2997 nodes in
-/// motion L, two iterations, with baselines. Other options as in `common`, except its threads,
-/// which apply only to the last.
+/// motion L, two iterations, with baselines; and quadratic 475 with each hyperelastic law. Other
+/// options as in `common`, except its threads, which apply only to the last.
 std::vector<LatencyOptions> suite_of_goals(LatencyOptions common);
 
 /// Every size of both elements, with baselines, at most half a minute each. Other options as in

@@ -69,12 +69,17 @@ std::string letter_of(Motion motion) {
   return motion == Motion::kStep ? "S" : motion == Motion::kLarge ? "L" : "B";
 }
 
-Scenario::Scenario(const BarMesh& mesh, Motion motion, double young_modulus)
+Scenario::Scenario(const BarMesh& mesh, Motion motion, double young_modulus, const std::string& law)
     : motion_(motion), force_scale_(young_modulus / kMaterial.young_modulus) {
   body_.mesh = mesh::make_element_mesh(mesh::make_box(kSize, mesh.cells), mesh.order);
   body_.material = kMaterial;
   body_.material.young_modulus = young_modulus;
   body_.damping = kDamping;
+  if (const auto* named = elasticity::find_stretch_law(law)) {
+    std::vector<double> constants;
+    for (const auto& constant : named->constants) constants.push_back(constant.start);
+    body_.law = named->make(constants);
+  }
   elasticity::GraspRegion clamp;
   clamp.nodes = elasticity::nodes_at(body_.mesh, 0, 0);
   clamp.X_OG_rest.translation() = Vector3d(0, kSize.y() / 2, kSize.z() / 2);

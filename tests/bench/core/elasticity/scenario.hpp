@@ -40,7 +40,9 @@ enum class Mechanics { kDynamic, kQuasistatic };
 
 class Scenario {
  public:
-  Scenario(const BarMesh& mesh, Motion motion, double young_modulus = 1e5);
+  /// `law`: of elasticity::stretch_laws(), with plausible constants; empty: the linear law.
+  Scenario(const BarMesh& mesh, Motion motion, double young_modulus = 1e5,
+           const std::string& law = "");
 
   /// Nothing fixed; grasp 0 is the clamp.
   const elasticity::Body& body() const { return body_; }
