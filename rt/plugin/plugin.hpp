@@ -15,7 +15,7 @@
 namespace palpate::plugin {
 
 /// Incremented whenever a header included by plug-ins changes incompatibly.
-inline constexpr int kPluginInterface = 8;
+inline constexpr int kPluginInterface = 9;
 
 /// Properties that must match between the host and a library, because C++ classes cross the
 /// boundary.

@@ -72,7 +72,7 @@ TEST(Plugins, OneOfAnotherPalpateIsNotEvenAsked) {
   expect_complaint({library("other_version.so")},
                    {"plugins.0.library", "was built for another palpate", "palpate 9", "build it"});
   expect_complaint({library("other_interface.so")},
-                   {"plugins.0.library", "plug-in interface 1, here 8"});
+                   {"plugins.0.library", "plug-in interface 1, here 9"});
 }
 
 TEST(Plugins, OneOfAnotherCompilerIsRefused) {
