@@ -1,6 +1,5 @@
 #include "core/kinematics/serial_chain.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "core/math/option_check.hpp"
@@ -25,29 +24,33 @@ SerialChain::SerialChain(std::vector<Joint> joints, const math::Pose& X_JE)
   }
 }
 
-void SerialChain::evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
-                           State& state) const noexcept {
-  const int n = joint_count();
-  std::array<Eigen::Vector3d, kMostJoints> axis, origin;
+void SerialChain::locate(const Eigen::Ref<const Eigen::VectorXd>& q, Frames& X_WJ) const noexcept {
   math::Pose X = math::Pose::Identity();
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < joint_count(); ++i) {
     const Joint& joint = joints_[i];
     X = X * joint.X_PJ;
-    axis[i] = X.linear() * joint.axis_J;
-    origin[i] = X.translation();
     if (joint.revolute) {
       X.linear() = X.linear() * math::exp_rotation(q[i] * joint.axis_J);
     } else {
-      X.translation() += q[i] * axis[i];
+      X.translation() += q[i] * X.linear() * joint.axis_J;
     }
+    X_WJ[i] = X;
   }
-  state.X_WE = X * X_JE_;
+}
+
+void SerialChain::evaluate(const Eigen::Ref<const Eigen::VectorXd>& q,
+                           State& state) const noexcept {
+  const int n = joint_count();
+  Frames X_WJ;
+  locate(q, X_WJ);
+  state.X_WE = X_WJ[n - 1] * X_JE_;
   state.J_W_E.resize(6, n);
   for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d axis = X_WJ[i].linear() * joints_[i].axis_J;
     if (joints_[i].revolute) {
-      state.J_W_E.col(i) << axis[i].cross(state.X_WE.translation() - origin[i]), axis[i];
+      state.J_W_E.col(i) << axis.cross(state.X_WE.translation() - X_WJ[i].translation()), axis;
     } else {
-      state.J_W_E.col(i) << axis[i], Eigen::Vector3d::Zero();
+      state.J_W_E.col(i) << axis, Eigen::Vector3d::Zero();
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,13 @@ class SerialChain {
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
   const Joint& joint(int index) const noexcept { return joints_[index]; }
+  const math::Pose& X_JE() const noexcept { return X_JE_; }
+
+  /// Frames of the joints in W, each moved by its own position. Joint i moves about, or along, the
+  /// axis `axis_J` of its frame.
+  using Frames = std::array<math::Pose, kMostJoints>;
+  /// For joint_count() positions `q`. Does not allocate.
+  void locate(const Eigen::Ref<const Eigen::VectorXd>& q, Frames& X_WJ) const noexcept;
 
   struct State {
     math::Pose X_WE = math::Pose::Identity();
