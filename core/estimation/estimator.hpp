@@ -15,6 +15,8 @@ struct GraspInput {
   math::Pose X_OG = math::Pose::Identity();  // pose of the hand, from the forward kinematics
   bool wrench_valid = false;
   math::Wrench F_G_O;  // tared wrench of the hand on the object at the origin of G, in O
+  /// Covariance of the lasting errors of F_G_O by direction (sensing::Contact); zero: not known.
+  math::Matrix6d covariance = math::Matrix6d::Zero();
 };
 
 /// Observed points on the object's surface. May be empty.

@@ -69,6 +69,7 @@ void WrenchUpdate::predict(int grasp, const math::Vector6d& wrench, const math::
   if (!input.wrench_valid) return;
   const math::Vector6d measured = input.F_G_O.vector();
   if (!measured.allFinite()) return;
+  hand.covariance = input.covariance;
   hand.sum += measured - hand.lagged;
   hand.sum_measured += measured;
   ++hand.count;
@@ -92,6 +93,7 @@ Eigen::Vector2d WrenchUpdate::size_of_wrench(int grasp, const WrenchFilter::Rows
   const double force = options_.force + options_.relative * predicted.head<3>().norm();
   const double torque =
       options_.torque + options_.relative * predicted.tail<3>().norm() + lever_[grasp] * force;
+  S += hands_[grasp].covariance;
   S.diagonal().head<3>().array() += force * force;
   S.diagonal().tail<3>().array() += torque * torque;
   const math::Matrix6d gain = S.ldlt().solve(measured.transpose()).transpose();
@@ -115,7 +117,7 @@ void WrenchUpdate::add_noise(int grasp, int row, const math::Vector6d& late,
   const Hand& hand = hands_[grasp];
   const Eigen::Vector2d size = size_of_wrench(grasp, innovation.H.middleRows<6>(row),
                                               innovation.y.segment<6>(row), state.filter);
-  // All wrenches until the model error decorrelates carry the information of one.
+  // All wrenches until the errors of model and sensor decorrelate carry the information of one.
   const double information = hand.information_gain * absorbed();
   const double lasting = options_.relative / std::sqrt(std::max(information, 1e-9));
   const double force = lasting * size[0];
@@ -125,12 +127,13 @@ void WrenchUpdate::add_noise(int grasp, int row, const math::Vector6d& late,
       Eigen::Vector3d(options_.force, force, inertial[0]).squaredNorm());
   innovation.R.diagonal().segment<3>(row + 3).setConstant(
       Eigen::Vector3d(options_.torque, torque, inertial[1]).squaredNorm());
-  innovation.R.block<6, 6>(row, row) += late * late.transpose();
+  innovation.R.block<6, 6>(row, row) +=
+      late * late.transpose() + hand.covariance / std::max(information, 1e-9);
   innovation.noise.diagonal().segment<3>(row).setConstant(
       Eigen::Vector2d(options_.force, inertial[0]).squaredNorm());
   innovation.noise.diagonal().segment<3>(row + 3).setConstant(
       Eigen::Vector2d(options_.torque, inertial[1]).squaredNorm());
-  innovation.noise.block<6, 6>(row, row) += late * late.transpose();
+  innovation.noise.block<6, 6>(row, row) += late * late.transpose() + hand.covariance;
 }
 
 Innovation WrenchUpdate::take_innovation(const FusedState& state,

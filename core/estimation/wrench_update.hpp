@@ -79,6 +79,7 @@ class WrenchUpdate {
     math::Vector6d sum = math::Vector6d::Zero();
     math::Vector6d sum_measured = math::Vector6d::Zero();  // sum of the measured wrenches
     int count = 0;
+    math::Matrix6d covariance = math::Matrix6d::Zero();  // GraspInput::covariance, the latest
     math::Pose X_OG_before = math::Pose::Identity();
     math::Vector6d speed = math::Vector6d::Zero();         // m/s, rad/s, delayed as the wrench
     math::Vector6d acceleration = math::Vector6d::Zero();  // m/s^2, rad/s^2, mean over 50 ms

@@ -14,6 +14,9 @@ bool locate_wrist(const ArmMeasurements& arm, const sensing::Contact& contact,
   if (!arm.known) return false;
   const math::Pose X_OG = arm.X_OE() * arm.frames.X_EG;
   contact_O.wrench = arm.frames.wrench_in_object(contact.wrench, X_OG.linear());
+  contact_O.covariance = transformed_covariance(
+      math::make_pose(X_OG.linear(), Eigen::Vector3d::Zero()) * arm.frames.X_GS(),
+      contact.covariance);
   contact_O.location = X_OG.translation();
   return true;
 }
@@ -79,6 +82,15 @@ math::Vector6d transformed_deviation(const math::Pose& X_AB, double force, doubl
   return deviation;
 }
 
+math::Matrix6d transformed_covariance(const math::Pose& X_AB,
+                                      const math::Matrix6d& covariance_B) noexcept {
+  math::Matrix6d transform = math::both_halves(X_AB.linear());
+  transform.bottomLeftCorner<3, 3>() = math::cross_matrix(X_AB.translation()) * X_AB.linear();
+  math::Matrix6d half;
+  half.noalias() = transform * covariance_B;
+  return half * transform.transpose();
+}
+
 math::Wrench rotated(const Eigen::Matrix3d& R_AB, const math::Wrench& F_B) noexcept {
   return {R_AB * F_B.force, R_AB * F_B.torque};
 }
@@ -94,6 +106,7 @@ void to_object_frame(const sensing::ContactSet& contacts, const ArmMeasurements&
   for (int i = 0; i < contacts.count; ++i) {
     const sensing::Contact& contact = contacts.contacts[i];
     sensing::Contact& contact_O = contacts_O.contacts[contacts_O.count];
+    contact_O.covariance.setZero();
     if (!locate(contact, first, second, contact_O)) continue;
     contact_O.source = contact.source;
     contact_O.force_deviation = contact.force_deviation;
@@ -116,6 +129,7 @@ void update_grasp(const ArmMeasurements& arm, int index, const sensing::ContactS
     if (!sensing::is_wrist(contact.source, index)) continue;
     input.wrench_valid = true;
     input.F_G_O = contact.wrench;
+    input.covariance = contact.covariance;
   }
 }
 

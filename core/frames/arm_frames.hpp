@@ -42,6 +42,11 @@ struct ArmFrames {
 /// of B are `force`, N, and `torque`, N m, on each axis, all independent.
 math::Vector6d transformed_deviation(const math::Pose& X_AB, double force, double torque) noexcept;
 
+/// Covariance (force first) of a wrench about the origin of A, in A, from that about the origin of
+/// B, in B.
+math::Matrix6d transformed_covariance(const math::Pose& X_AB,
+                                      const math::Matrix6d& covariance_B) noexcept;
+
 /// The same wrench in the axes of A instead of B, about the same point.
 math::Wrench rotated(const Eigen::Matrix3d& R_AB, const math::Wrench& F_B) noexcept;
 

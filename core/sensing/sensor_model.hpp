@@ -31,6 +31,9 @@ struct Contact {
   double force_deviation = 0;                          // N, standard deviation of each axis
   /// N m, likewise of the torque about `location`; 0: not known.
   double torque_deviation = 0;
+  /// Covariance of the lasting errors of the wrench (N, N m, about `location`), which no mean of
+  /// many readings removes, where they differ by direction; zero: not known.
+  math::Matrix6d covariance = math::Matrix6d::Zero();
 };
 
 /// Up to eight contacts without allocation.
@@ -53,6 +56,7 @@ struct SensorState {
     kWithoutPayload,  // wrist reading minus the payload's wrench
     kCounts,          // fingertip counts
     kForce,           // force of a fingertip
+    kJointTorque,     // external torque of each joint
   };
   Offset meaning = Offset::kUnknown;
   std::array<double, 24> offset{};  // N, N m; counts

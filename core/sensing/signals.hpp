@@ -35,6 +35,8 @@ struct RobotState {
   int joint_count = 0;
   Eigen::Matrix<double, 16, 1> q = Eigen::Matrix<double, 16, 1>::Zero();
   Eigen::Matrix<double, 16, 1> dq = Eigen::Matrix<double, 16, 1>::Zero();
+  /// N m; all zero: not reported; not finite: reported, but not plausible.
+  Eigen::Matrix<double, 16, 1> tau = Eigen::Matrix<double, 16, 1>::Zero();
   math::Pose X_WE = math::Pose::Identity();
   math::Twist V_W_E;
 };

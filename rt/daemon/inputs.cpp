@@ -33,7 +33,7 @@ bool same(const sensing::Inertial& a, const sensing::Inertial& b) noexcept {
   return a.acceleration_I == b.acceleration_I && a.angular_velocity_I == b.angular_velocity_I;
 }
 bool same(const sensing::RobotState& a, const sensing::RobotState& b) noexcept {
-  return a.q == b.q && a.dq == b.dq && a.X_WE.matrix() == b.X_WE.matrix() &&
+  return a.q == b.q && a.dq == b.dq && a.tau == b.tau && a.X_WE.matrix() == b.X_WE.matrix() &&
          a.V_W_E.linear == b.V_W_E.linear && a.V_W_E.angular == b.V_W_E.angular;
 }
 bool same(const sensing::BioTac& a, const sensing::BioTac& b) noexcept {

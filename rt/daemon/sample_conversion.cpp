@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rt/bus/text.hpp"
 
@@ -48,6 +49,10 @@ bool convert(const robot_state_t& m, sensing::RobotState& out) noexcept {
   out.joint_count = m.joint_count;
   out.q = Eigen::Map<const Eigen::Matrix<double, 16, 1>>(m.q);
   out.dq = Eigen::Map<const Eigen::Matrix<double, 16, 1>>(m.dq);
+  // Pose and joints are of use without torques.
+  out.tau = Eigen::Map<const Eigen::Matrix<double, 16, 1>>(m.tau);
+  if (!all_plausible(m.tau, m.joint_count))
+    out.tau.setConstant(std::numeric_limits<double>::quiet_NaN());
   out.X_WE.linear() = math::rotation_from_wxyz(m.quaternion);
   out.X_WE.translation() = Eigen::Map<const Eigen::Vector3d>(m.position);
   out.V_W_E = math::Twist::from(Eigen::Map<const math::Vector6d>(m.twist));

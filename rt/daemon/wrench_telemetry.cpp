@@ -15,9 +15,11 @@ void put_numbers(const math::Vector6d& v, double (&out)[6]) noexcept {
 
 /// A model, of a plug-in for instance, may not know the deviations of its output.
 math::Vector6d known_deviation(const math::Pose& X_AS, const sensing::Contact& contact) noexcept {
+  const auto is_known = [](double value) { return std::isfinite(value) && value > 0; };
+  const math::Matrix6d covariance = frames::transformed_covariance(X_AS, contact.covariance);
+  if (is_known(covariance.trace())) return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   math::Vector6d deviation =
       frames::transformed_deviation(X_AS, contact.force_deviation, contact.torque_deviation);
-  const auto is_known = [](double value) { return std::isfinite(value) && value > 0; };
   if (!is_known(contact.force_deviation)) {
     deviation.setConstant(-1);
   } else if (!is_known(contact.torque_deviation)) {
@@ -64,10 +66,8 @@ void WrenchTelemetry::publish(const pipeline::Pipeline& pipeline, std::int64_t u
     message_.status = static_cast<int>(
         wrist->result.status == Status::kDoubtful ? Status::kDegraded : wrist->result.status);
     bus::put_text(message_.reason, wrist->result.reason);
-    const bool is_known = wrist->readings.freshness != Freshness::kNoData;
-    message_.reading_utime =
-        is_known ? static_cast<std::int64_t>(std::llround(1e6 * wrist->readings.latest.time)) : 0;
-    message_.age = is_known ? wrist->readings.age : -1;
+    message_.reading_utime = static_cast<std::int64_t>(std::llround(1e6 * wrist->reading_time));
+    message_.age = wrist->age;
     put_wrench(*wrist, pipeline.frames(static_cast<int>(arm)), message_);
     publishers_[arm].publish(message_, utime);
   }

@@ -124,6 +124,7 @@ void ComponentSet::build_sensing(const config::Node& root, const Changes& change
     instance.arm = registry::read_arm(node, context);
     instance.is_wrist =
         registry::sensor_kind(instance.component, context) == plugin::SensorKind::kWrist;
+    instance.reads_joints = instance.component == "joint_torque";
     if (changes.sensing[index++]) {
       make_model(node, instance);
       list_running_models(instance);

@@ -74,6 +74,7 @@ struct ComponentSet {
     Condition condition{LifeCycle::kInactive, ""};
     bool fallback_reported = false;  // use of the fallback has been reported
     bool is_wrist = false;           // measures the wrist of its arm
+    bool reads_joints = false;       // by ROBOT_STATE, not by FT_WRENCH
     UpdateResult result;             // of the last update, also while the daemon is inactive
   };
   struct Contact {

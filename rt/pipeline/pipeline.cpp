@@ -46,7 +46,18 @@ std::optional<WristReport> Pipeline::wrist(int arm) const noexcept {
   for (const ComponentSet::Sensing& instance : components_->sensing)
     if (instance.is_wrist && instance.arm == arm) sensor = &instance;
   if (sensor == nullptr) return {};
-  WristReport report{sensor->result, nullptr, arms_[arm].signals->force_torque};
+  const sensing::Signals& signals = *arms_[arm].signals;
+  WristReport report{sensor->result};
+  const auto take_time = [&report](const auto& readings) {
+    if (readings.freshness == Freshness::kNoData) return;
+    report.reading_time = readings.latest.time;
+    report.age = readings.age;
+  };
+  if (sensor->reads_joints) {
+    take_time(signals.robot);
+  } else {
+    take_time(signals.force_torque);
+  }
   for (int i = 0; i < contacts_.count; ++i)
     if (sensing::is_wrist(contacts_.contacts[i].source, arm))
       report.contact = &contacts_.contacts[i];

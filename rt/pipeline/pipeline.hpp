@@ -19,7 +19,8 @@ namespace palpate::pipeline {
 struct WristReport {
   UpdateResult result;
   const sensing::Contact* contact = nullptr;  // in S; nullptr: no wrench
-  const sensing::Stream<sensing::ForceTorque>& readings;
+  double reading_time = 0;                    // s, of the latest reading, clock of its sender
+  double age = -1;                            // s since its arrival; negative: none yet
 };
 
 /// Phases of a tick over the components in the six slots, for one or two arms with their gates.

@@ -5,9 +5,9 @@
 namespace palpate::plugin {
 
 /// Names of built-in components in the slots that accept plug-ins; a plug-in must not use them.
-inline constexpr std::array<const char*, 7> kSensorModels = {
-    "ft_newton_euler", "ft_rnnob",  "ft_tare_only", "biotac_linear",
-    "biotac_lstm",     "fingertip", "manual"};
+inline constexpr std::array<const char*, 8> kSensorModels = {
+    "ft_newton_euler", "ft_rnnob",    "ft_tare_only", "joint_torque",
+    "biotac_linear",   "biotac_lstm", "fingertip",    "manual"};
 inline constexpr std::array<const char*, 2> kForceTransformers = {"area_coordinates",
                                                                   "wrench_patch"};
 inline constexpr std::array<const char*, 5> kEstimators = {

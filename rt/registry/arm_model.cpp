@@ -95,7 +95,7 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
   try {
     const std::string urdf = node.path({"urdf", "", "Expanded URDF file of the arm"});
     const std::string flange = node.text({"flange", "", "Link of the URDF that is E"}, "flange");
-    auto model = std::make_shared<ArmModel>(ArmModel{read_urdf(urdf, flange), {}});
+    auto model = std::make_shared<ArmModel>(ArmModel{read_urdf(urdf, flange), {}, urdf, flange});
     const SerialChain& chain = model->chain;
     const int n = chain.joint_count();
     const JointOptions options = node.read(joint_options(n));

@@ -13,6 +13,7 @@ namespace palpate::registry {
 struct ArmModel {
   kinematics::SerialChain chain;
   control::JointLimits limits;
+  std::string urdf, flange;  // path of the file, and the link of it that is E
 };
 
 /// Reads an expanded URDF file: the actuated joints between its root link, which is W, and the link

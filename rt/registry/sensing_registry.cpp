@@ -159,7 +159,7 @@ int read_arm(const config::Node& node, const Context& context) {
 plugin::SensorKind sensor_kind(const std::string& name, const Context& context) {
   if (const auto* entry = plugin::find_plugin(plugins_of(context).sensor_models, name))
     return entry->sensor;
-  if (name.rfind("ft_", 0) == 0) return plugin::SensorKind::kWrist;
+  if (name.rfind("ft_", 0) == 0 || name == "joint_torque") return plugin::SensorKind::kWrist;
   return name.rfind("biotac_", 0) == 0 || name == "fingertip" ? plugin::SensorKind::kFinger
                                                               : plugin::SensorKind::kOther;
 }
@@ -182,6 +182,8 @@ std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node
                             "slower signal",
                             {0, 100000}, &FtTareOnly::Options::delay),
                from_options<FtTareOnly>())
+          .add("joint_torque", "Wrist wrench from the joint torques of an arm without that sensor",
+               make_joint_torque)
           .add("biotac_linear", "BioTac fingertip with a linear force map",
                [](const config::Node& own, const Context&) {
                  return make_biotac_linear(own, "model_file");

@@ -86,6 +86,10 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
 std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node,
                                                     const Context& context);
 
+/// Component `joint_torque`, of the arm in the section `robot`. Throws config::Error.
+std::unique_ptr<sensing::SensorModel> make_joint_torque(const config::Node& node,
+                                                        const Context& context);
+
 /// Component `biotac_linear`, whose model is in this section or in the file named by the key
 /// `file_key`.
 std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node,

@@ -18,7 +18,7 @@ ALLOWED = {
     "core/factor": "core/math",
     "core/elasticity": "core/math core/mesh core/collision core/factor",
     "core/solid": "core/math core/factor core/elasticity",
-    "core/sensing": "core/math",
+    "core/sensing": "core/math core/kinematics",
     "core/contact": "core/math core/mesh core/sensing",
     "core/estimation": "core/math core/mesh core/collision core/elasticity core/sensing core/contact",
     "core/frames": "core/math core/sensing core/estimation",

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/math/constants.hpp"
 
 namespace palpate::frames {
@@ -57,6 +59,17 @@ TEST(ArmFrames, DeviationOfATransformedWrenchIsThatOfItsComponents) {
     variance += math::transform(X_AB, math::Wrench::from(error)).vector().cwiseAbs2();
   }
   EXPECT_LT((transformed_deviation(X_AB, kForce, kTorque) - variance.cwiseSqrt()).norm(), 1e-14);
+}
+
+TEST(ArmFrames, CovarianceOfATransformedWrenchIsThatOfItsErrors) {
+  const math::Pose X_AB = pose({0.1, -0.3, 0.2}, {0.7, 0.2, -0.5});
+  math::Matrix6d errors, covariance = math::Matrix6d::Zero();  // columns: independent errors at B
+  for (int i = 0; i < 36; ++i) errors(i) = std::sin(3.7 * i);
+  for (int i = 0; i < 6; ++i) {
+    const math::Vector6d error = math::transform(X_AB, math::Wrench::from(errors.col(i))).vector();
+    covariance += error * error.transpose();
+  }
+  EXPECT_LT((transformed_covariance(X_AB, errors * errors.transpose()) - covariance).norm(), 1e-12);
 }
 
 TEST(ArmFrames, ATwistIsThatOfTheMovingGrasp) {
