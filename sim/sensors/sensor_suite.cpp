@@ -39,6 +39,7 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
                       Eigen::VectorXd::Zero(joint_count), math::Random(seed, "joint_velocity")),
       joint_torque_(table.robot_state.torque, robot_.period(), Eigen::VectorXd::Zero(joint_count),
                     math::Random(seed, "joint_torque")),
+      friction_(table.robot_state.friction, joint_count),
       X_EE_reported_(X_EG * table.kinematics_error * X_EG.inverse()) {
   const math::Random random(seed, "fingertips");
   for (int i = 0; i < kMostFingertips; ++i) {
@@ -67,7 +68,7 @@ RobotReading SensorSuite::measure_robot(const Truth& truth) {
   RobotReading r;
   r.q = joint_position_.measure(truth.robot.q);
   r.dq = joint_velocity_.measure(truth.robot.dq);
-  r.tau = joint_torque_.measure(truth.robot.tau);
+  r.tau = joint_torque_.measure(truth.robot.tau + friction_.at(truth.robot.q, truth.robot.dq));
   // The encoder errors are so small that the flange moves by J (q_measured - q).
   const math::Vector6d moved = truth.jacobian * (r.q - truth.robot.q);
   const math::Pose X_WE =

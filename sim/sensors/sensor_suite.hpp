@@ -84,6 +84,7 @@ class SensorSuite {
   std::optional<math::Pose> X_WS_first_;
   Signal force_, torque_, acceleration_, angular_velocity_;
   Signal joint_position_, joint_velocity_, joint_torque_;
+  FrictionTorque friction_;
   std::vector<Signal> fingertips_;
   std::vector<Channel<BiotacReading>> biotac_channels_;
   std::vector<Biotac> biotacs_;

@@ -44,6 +44,17 @@ void read(const config::Node& node, const char* key, math::Vector6d& vector) {
   std::copy(values.begin(), values.end(), vector.data());
 }
 
+void read(const config::Node& node, GearFriction& friction) {
+  constexpr int kAny = -1;
+  friction.coulomb = node.numbers({"coulomb", "N m", "Coulomb friction, one value per joint"}, kAny,
+                                  kNotNegative, friction.coulomb);
+  friction.viscous = node.numbers({"viscous", "N m s/rad", "viscous friction, one value per joint"},
+                                  kAny, kNotNegative, friction.viscous);
+  friction.presliding =
+      node.number({"presliding", "rad", "decay of its difference after a joint has turned back"},
+                  {1e-7, 0.1}, friction.presliding);
+}
+
 void read_mounting(const config::Node& node, Eigen::Matrix3d& mounting) {
   mounting = math::exp_rotation(
       math::kDegree *
@@ -148,6 +159,8 @@ void read(const config::Node& node, SensorTable& table) {
   read(robot, "position", table.robot_state.position);
   read(robot, "velocity", table.robot_state.velocity);
   read(robot, "torque", table.robot_state.torque);
+  read(robot.child_or_empty({"friction", "", "of the gears, in the joint torques"}),
+       table.robot_state.friction);
   const config::Node hand = node.child_or_empty({"hand_state", "", "HAND_STATE"});
   read(hand, table.hand_state.timing);
   read(hand, "fingertip", table.hand_state.fingertip);

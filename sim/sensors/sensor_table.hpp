@@ -3,6 +3,7 @@
 #include "core/math/rigid.hpp"
 #include "rt/config/node.hpp"
 #include "sim/camera/depth_noise.hpp"
+#include "sim/sensors/gear_friction.hpp"
 
 namespace palpate::sensors {
 
@@ -77,6 +78,7 @@ struct SensorTable {
   struct {
     Timing timing;
     Faults position, velocity, torque;  // rad, rad/s, N m
+    GearFriction friction;              // in the joint torques
   } robot_state;
   struct {
     Timing timing;
