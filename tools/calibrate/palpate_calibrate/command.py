@@ -12,6 +12,7 @@ from palpate_calibrate import plan_output, report, section_output
 from palpate_calibrate.camera import command as camera
 from palpate_calibrate.configuration import Configuration, read_configuration
 from palpate_calibrate.fit import Options, fit_wrist
+from palpate_calibrate.friction import command as friction
 from palpate_calibrate.log_input import read_logs
 from palpate_calibrate.plan import Room, plan_poses
 from palpate_calibrate.recording import Mounting, Recording
@@ -31,10 +32,12 @@ TOP_DESCRIPTION = """Calibrates the set-up of an arm from recordings of its own 
 TOP_TAIL = """
 Subcommands:
   wrist                       Load, bias and mounting of a wrist's force-torque sensor and inertial unit, and their delays
+  friction                    Friction of the joints of an arm whose joint torques replace a force-torque sensor
   camera                      Pose of a depth camera in the robot's base, by touches, by the hand in clouds, or by a marker
 
 Examples:
   palpate-calibrate wrist run.control.lcmlog --config my_robot.yaml --output wrist.yaml
+  palpate-calibrate friction run.control.lcmlog --config my_robot.yaml --output friction.yaml
   palpate-calibrate camera --touches touches.csv --output camera.yaml
 Exit codes: 0   done
             1   an error, or a recording that cannot be used
@@ -168,7 +171,7 @@ def wrist(words: list[str]) -> int:
 def main(words: list[str], version: str) -> int:
     top = Parser("palpate-calibrate", TOP_DESCRIPTION, "[OPTIONS] SUBCOMMAND", TOP_TAIL)
     top.add_argument("--version", action="version", version=version, help="Display program version information and exit")
-    subcommands = {"wrist": wrist, "camera": camera.main}
+    subcommands = {"wrist": wrist, "friction": friction.main, "camera": camera.main}
     if words and words[0] in subcommands:
         return exit_code_of("palpate-calibrate", lambda: subcommands[words[0]](words[1:]))
     top.parse_args(words)

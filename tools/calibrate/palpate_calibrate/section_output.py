@@ -49,12 +49,12 @@ def frames(fit: WristFit, configuration: Optional[Configuration]) -> dict[str, A
     return section
 
 
-def _rebased(value: Any, old: Path, new: Path) -> Any:
+def rebased(value: Any, old: Path, new: Path) -> Any:
     """The same with names of files relative to folder `new` instead of `old`."""
     if isinstance(value, dict):
-        return {key: _rebased(entry, old, new) for key, entry in value.items()}
+        return {key: rebased(entry, old, new) for key, entry in value.items()}
     if isinstance(value, list):
-        return [_rebased(entry, old, new) for entry in value]
+        return [rebased(entry, old, new) for entry in value]
     is_file = isinstance(value, str) and not Path(value).is_absolute() and (old / value).is_file()
     return os.path.relpath(old.resolve() / value, new) if is_file else value
 
@@ -66,7 +66,7 @@ def write_section(fit: WristFit, file: Path, configuration: Optional[Configurati
     if configuration is not None:
         folder = file.resolve().parent
         document["base"] = os.path.relpath(configuration.file.resolve(), folder)
-        sensing = _rebased(configuration.sensing, configuration.sensing_folder, folder)
+        sensing = rebased(configuration.sensing, configuration.sensing_folder, folder)
     found = frames(fit, configuration)
     where = document if configuration is None or configuration.arm == 0 else document.setdefault("second_arm", {})
     if found:

@@ -1,0 +1,1 @@
+"""Friction of an arm's joints, as its joint torques contain it: `palpate-calibrate friction`."""
