@@ -26,7 +26,7 @@ std::string type_name(const Option& option) {
     case Option::Kind::kNumbers:
       break;
   }
-  return std::to_string(option.count) + " numbers";
+  return (option.count < 0 ? "" : std::to_string(option.count) + " ") + "numbers";
 }
 
 }  // namespace

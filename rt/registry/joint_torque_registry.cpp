@@ -9,13 +9,19 @@ using kinematics::BodyInertia;
 using kinematics::SerialChain;
 using sensing::JointTorque;
 
+constexpr int kAny = -1;  // length of a list that is compared with the URDF
+
 /// Lists with one value per joint; empty ones: the default of every joint.
 struct JointLists {
   std::vector<double> coulomb, viscous, deviation;
 };
 
-SerialChain::Joints to_joints(const std::vector<double>& values, int count, double otherwise) {
+SerialChain::Joints to_joints(const config::Node& node, const char* key,
+                              const std::vector<double>& values, int count, double otherwise) {
   if (values.empty()) return SerialChain::Joints::Constant(count, otherwise);
+  if (static_cast<int>(values.size()) != count)
+    node.fail(key, std::to_string(values.size()) + " values; allowed: " + std::to_string(count) +
+                       ", one per joint of the URDF");
   return Eigen::Map<const Eigen::VectorXd>(values.data(), count);
 }
 
@@ -59,14 +65,14 @@ sensing::JointFriction::Options read_friction(const config::Node& node, int join
                   {0, 1}, &Options::error));
   const JointLists lists =
       section.read(config::OptionTable<JointLists>()
-                       .numbers("coulomb", "N m", "Coulomb friction of each joint", {0, 1000},
-                                joints, &JointLists::coulomb)
+                       .numbers("coulomb", "N m", "Coulomb friction of each joint", {0, 1000}, kAny,
+                                &JointLists::coulomb)
                        .optional()
                        .numbers("viscous", "N m s/rad", "Viscous friction of each joint", {0, 1000},
-                                joints, &JointLists::viscous)
+                                kAny, &JointLists::viscous)
                        .optional());
-  options.coulomb = to_joints(lists.coulomb, joints, 0);
-  options.viscous = to_joints(lists.viscous, joints, 0);
+  options.coulomb = to_joints(section, "coulomb", lists.coulomb, joints, 0);
+  options.viscous = to_joints(section, "viscous", lists.viscous, joints, 0);
   return options;
 }
 
@@ -76,7 +82,7 @@ std::vector<BodyInertia> read_links(const config::Node& node, const ArmModel& ar
   ArmInertia inertia = read_inertia(arm.urdf, arm.flange);
   if (node.has("payload")) {
     if (node.child("payload").has("bias"))
-      node.fail("payload.bias", "is an offset of a force-torque sensor; allowed: no such key");
+      node.fail("payload", "bias is an offset of a force-torque sensor; allowed: no such key");
     const sensing::PayloadParameters payload = read_payload(node);
     const math::Vector6d& i = payload.inertia;
     BodyInertia in_S{payload.mass, payload.first_moment, {}};
@@ -105,10 +111,10 @@ std::unique_ptr<sensing::SensorModel> make_joint_torque(const config::Node& node
           .numbers("joint_deviation", "N m",
                    "Standard deviation of the external torque of each joint apart from friction "
                    "and model_error; absent: 0.1 of each",
-                   {1e-6, 1000}, joints, &JointLists::deviation)
+                   {1e-6, 1000}, kAny, &JointLists::deviation)
           .optional());
   constexpr double kDeviation = 0.1;  // N m
-  options.deviation = to_joints(lists.deviation, joints, kDeviation);
+  options.deviation = to_joints(node, "joint_deviation", lists.deviation, joints, kDeviation);
   options.X_ES = context.frames.X_ES;
   try {
     const kinematics::ChainDynamics dynamics(arm.chain, read_links(node, arm, options.X_ES),
