@@ -29,13 +29,14 @@ constexpr double kMemory = 0.3;  // s, within which it makes up for that after i
 }  // namespace
 
 Iiwa::Iiwa(bus::MessageBus& bus, const kinematics::SerialChain& chain, const std::string& status,
-           const std::string& command, double follow)
+           const std::string& command, double follow, bool external_torque)
     : bus_(bus),
       statuses_(bus, status, iiwa_status(chain.joint_count())),
       refusals_({&statuses_.subscription()},
                 "lcmt_iiwa_status with " + std::to_string(chain.joint_count()) + " joints"),
       commands_(bus, command, iiwa_command(chain.joint_count())),
       follow_(follow),
+      external_torque_(external_torque),
       lower_(chain.joint_count()),
       upper_(chain.joint_count()) {
   for (int i = 0; i < chain.joint_count(); ++i) {
@@ -55,7 +56,8 @@ bool Iiwa::take(Reading& reading) {
   reading.utime = status->utime;
   reading.q = joints(status->joint_position_measured);
   reading.dq = joints(status->joint_velocity_estimated);
-  reading.tau = joints(status->joint_torque_measured);
+  reading.tau =
+      joints(external_torque_ ? status->joint_torque_external : status->joint_torque_measured);
   reading.halted = nullptr;
   return true;
 }

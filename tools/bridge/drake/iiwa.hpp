@@ -11,9 +11,10 @@ namespace palpate::drake_bridge {
 /// stands.
 class Iiwa final : public Protocol {
  public:
-  /// `follow`: rad, error of a joint at rest above which the arm does not follow.
+  /// `follow`: rad, error of a joint at rest above which the arm does not follow;
+  /// `external_torque`: report that instead of the measured one.
   Iiwa(bus::MessageBus& bus, const kinematics::SerialChain& chain, const std::string& status,
-       const std::string& command, double follow);
+       const std::string& command, double follow, bool external_torque);
 
   void receive() override { bus_.receive(0); }
   bool take(Reading& reading) override;
@@ -31,6 +32,7 @@ class Iiwa final : public Protocol {
   Refusals refusals_;
   CommandOutput<::drake::lcmt_iiwa_command> commands_;
   double follow_;
+  bool external_torque_;
   Joints lower_, upper_;  // rad
   Joints target_;         // rad
   Joints speed_;          // rad/s, of the last moments

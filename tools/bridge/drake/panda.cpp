@@ -45,7 +45,7 @@ const char* halt_of(int robot_mode, bool names_mode, bool takes_velocities) {
 }
 
 template <class Status>
-void read(const Status& status, Reading& reading) {
+void read(const Status& status, bool external_torque, Reading& reading) {
   const auto joints = [](const std::vector<double>& numbers) {
     return Eigen::Map<const Eigen::VectorXd>(numbers.data(),
                                              static_cast<Eigen::Index>(numbers.size()));
@@ -53,13 +53,13 @@ void read(const Status& status, Reading& reading) {
   reading.utime = status.utime;
   reading.q = joints(status.joint_position);
   reading.dq = joints(status.joint_velocity);
-  reading.tau = joints(status.joint_torque);
+  reading.tau = joints(external_torque ? status.joint_torque_external : status.joint_torque);
 }
 
 }  // namespace
 
 Panda::Panda(bus::MessageBus& bus, int joints, const std::string& status,
-             const std::string& command)
+             const std::string& command, bool external_torque)
     : bus_(bus),
       statuses_(bus, status, panda_status<::drake::lcmt_panda_status>(joints)),
       former_statuses_(bus, status, panda_status<::drake::lcmt_panda_status_v1>(joints)),
@@ -67,21 +67,22 @@ Panda::Panda(bus::MessageBus& bus, int joints, const std::string& status,
           {&statuses_.subscription(), &former_statuses_.subscription()},
           "lcmt_panda_status, present or of 2020, with " + std::to_string(joints) + " joints"),
       commands_(bus, command, panda_command(joints)),
-      former_commands_(bus, command, former_panda_command(joints)) {
+      former_commands_(bus, command, former_panda_command(joints)),
+      external_torque_(external_torque) {
   q_.setZero(joints);
 }
 
 bool Panda::take(Reading& reading) {
   if (const auto* status = statuses_.take(reading.arrival_ns)) {
     is_former_ = false;
-    read(*status, reading);
+    read(*status, external_torque_, reading);
     reading.halted = halt_of(status->robot_mode, status->control_mode != 0,
                              (status->control_mode & kVelocity) != 0);
     return true;
   }
   if (const auto* status = former_statuses_.take(reading.arrival_ns)) {
     is_former_ = true;
-    read(*status, reading);
+    read(*status, external_torque_, reading);
     const bool velocity = status->velocity_control_enabled != 0;
     const bool names_mode =
         velocity || status->position_control_enabled != 0 || status->torque_control_enabled != 0;

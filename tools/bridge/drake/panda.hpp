@@ -13,7 +13,9 @@ namespace palpate::drake_bridge {
 /// by those until 2021: commands are of the type that belongs to the last status.
 class Panda final : public Protocol {
  public:
-  Panda(bus::MessageBus& bus, int joints, const std::string& status, const std::string& command);
+  /// `external_torque`: report that instead of the measured one.
+  Panda(bus::MessageBus& bus, int joints, const std::string& status, const std::string& command,
+        bool external_torque);
 
   void receive() override { bus_.receive(0); }
   bool take(Reading& reading) override;
@@ -32,6 +34,7 @@ class Panda final : public Protocol {
   Refusals refusals_;
   CommandOutput<::drake::lcmt_panda_command> commands_;
   CommandOutput<::drake::lcmt_panda_command_v1> former_commands_;
+  bool external_torque_;
   bool is_former_ = false;
   Joints q_;  // rad, where motion began
 };

@@ -58,6 +58,12 @@ Settings read_settings(const Node& root) {
   settings.wrench = robot.text(
       {"wrench", "", "channel of lcmt_force_torque, for FT_WRENCH; empty: another program does"},
       "");
+  settings.external_torque =
+      robot.choice(
+          {"torque", "",
+           "tau of ROBOT_STATE: measured (joint_torque_measured, joint_torque) or external "
+           "(joint_torque_external)"},
+          {"measured", "external"}, "measured") == "external";
   settings.stale = bridge::read_stale(robot);
   if (is_iiwa)
     settings.follow =
@@ -82,8 +88,8 @@ Settings read_settings(const Node& root) {
 
 std::unique_ptr<bridge::Protocol> Settings::make_protocol(bus::MessageBus& bus) const {
   if (kind == Kind::kPanda)
-    return std::make_unique<Panda>(bus, chain.joint_count(), status, command);
-  return std::make_unique<Iiwa>(bus, chain, status, command, follow);
+    return std::make_unique<Panda>(bus, chain.joint_count(), status, command, external_torque);
+  return std::make_unique<Iiwa>(bus, chain, status, command, follow, external_torque);
 }
 
 }  // namespace palpate::drake_bridge

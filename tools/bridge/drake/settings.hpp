@@ -23,6 +23,7 @@ struct Settings {
   kinematics::SerialChain chain;
   std::string status, command;               // channels of the arm
   std::string wrench;                        // channel of lcmt_force_torque; empty: none
+  bool external_torque = false;              // tau of ROBOT_STATE, else the measured one
   double stale = 0.05;                       // s
   double follow = 0.02;                      // rad
   std::string control, housekeeping, drake;  // LCM URLs

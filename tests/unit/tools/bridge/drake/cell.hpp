@@ -13,13 +13,16 @@ class Cell final : public bridge::VirtualCell {
  public:
   static constexpr int kJoints = 7;
 
-  explicit Cell(MockDriver::Kind kind, const driver::Joints& q = bent())
+  explicit Cell(MockDriver::Kind kind, const driver::Joints& q = bent(),
+                bool external_torque = false)
       : VirtualCell(kJoints), drake(kind, *peer, q), kind_(kind) {
     std::unique_ptr<Protocol> protocol;
     if (kind == MockDriver::Kind::kIiwa)
-      protocol = std::make_unique<Iiwa>(*ours_, chain(), "IIWA_STATUS", "IIWA_COMMAND", 0.02);
+      protocol = std::make_unique<Iiwa>(*ours_, chain(), "IIWA_STATUS", "IIWA_COMMAND", 0.02,
+                                        external_torque);
     else
-      protocol = std::make_unique<Panda>(*ours_, kJoints, "PANDA_STATUS", "PANDA_COMMAND");
+      protocol = std::make_unique<Panda>(*ours_, kJoints, "PANDA_STATUS", "PANDA_COMMAND",
+                                         external_torque);
     bridge(chain(), std::move(protocol), &wrist_);
   }
 

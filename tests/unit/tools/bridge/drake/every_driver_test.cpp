@@ -76,6 +76,12 @@ TEST_P(EveryDriver, MovesAsCommandedAndReportsTheArm) {
   EXPECT_NEAR(cell.state.twist[5], 0.2, 0.4);
 }
 
+TEST_P(EveryDriver, ReportsExternalTorquesWhereConfigured) {
+  Cell cell(GetParam(), bent(), true);
+  start(cell, 0.2);
+  EXPECT_EQ(cell.state.tau[1], 3);
+}
+
 TEST_P(EveryDriver, PublishesEachStateOnce) {
   Cell cell(GetParam());
   cell.run(1000);

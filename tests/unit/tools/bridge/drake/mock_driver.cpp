@@ -119,6 +119,7 @@ Status MockDriver::panda_status(std::int64_t now_ns) const {
   status.joint_position = numbers(q_);
   status.joint_velocity = numbers(dq_);
   status.joint_torque[1] = 20;
+  status.joint_torque_external[1] = 3;
   status.robot_mode = static_cast<std::int8_t>(is_stopped ? 5 : robot_mode);
   if (has_nan) status.joint_position[2] = std::numeric_limits<double>::quiet_NaN();
   return status;
@@ -148,6 +149,7 @@ void MockDriver::publish(std::int64_t now_ns) {
     status.joint_position_commanded = numbers(target_);
     status.joint_position_ipo.assign(q_.size(), std::numeric_limits<double>::quiet_NaN());
     status.joint_torque_measured[1] = 20;
+    status.joint_torque_external[1] = 3;
     if (has_nan) status.joint_position_measured[2] = std::numeric_limits<double>::quiet_NaN();
     enqueue(status, now_ns);
   }
