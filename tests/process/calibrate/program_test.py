@@ -109,6 +109,22 @@ class Simulated(unittest.TestCase):
         checked = subprocess.run([BINARIES / "palpated", "--config", output, "--check"], capture_output=True, text=True)
         self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
+    def test_friction_is_found_and_palpated_accepts_the_result(self):
+        folder = pathlib.Path(self.folder.name)
+        wander = "{duration: 20, rise: 2, seed: 1, periods: [3, 8], translation: [0.12, 0.12, 0.12], rotation_deg: [70, 45, 45]}"
+        done = subprocess.run([BINARIES / "palpate-sim", SOURCE / "sim/scenes/payload_joint_torque.yaml", "--record", folder, "--set",
+                               f"motion={{start_delay: 0.5, wander: {wander}}}"], capture_output=True, text=True, timeout=1200)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        output, plot = folder / "friction.yaml", folder / "friction.png"
+        done = calibrate("friction", folder / "sensors.log", "--config", SOURCE / "rt/config/examples/wrench_joint_torque.yaml",
+                         "--output", output, "--picture", plot, "--json", "-")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        coulomb = np.array([joint["coulomb"]["value"] for joint in json.loads(done.stdout)["joints"]])
+        np.testing.assert_allclose(coulomb, [1.5, 1.5, 1, 1, 0.8, 0.5, 0.4], rtol=0.05)
+        self.assertTrue(plot.read_bytes().startswith(b"\x89PNG"))
+        checked = subprocess.run([BINARIES / "palpated", "--config", output, "--check"], capture_output=True, text=True)
+        self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+
 
 class Camera(unittest.TestCase):
     """Set-ups of the study as files: the camera is found, and palpate-sim accepts the result."""
@@ -241,13 +257,15 @@ class CommandLine(unittest.TestCase):
                 (("wrist", "ft_static_ati"), 1, "--data names the folder"),
                 (("wrist", description), 78, "a.yaml:1: pose: 3; allowed: a mapping of keys"),
                 (("wrist", "a.log", "--config", SOURCE / "sim/scenes/payload.yaml"), 78, "sensing: no instance"),
+                (("friction",), 64, "recording"),
+                (("friction", "a.log", "--config", CONFIGURATION), 78, "no instance of joint_torque"),
             ):
                 done = calibrate(*words)
                 self.assertEqual(done.returncode, code, (words, done.stdout, done.stderr))
                 self.assertIn(expected, done.stderr)
 
     def test_help_states_examples_and_exit_codes(self):
-        for words in (("--help",), ("wrist", "--help"), ("camera", "--help")):
+        for words in (("--help",), ("wrist", "--help"), ("friction", "--help"), ("camera", "--help")):
             done = calibrate(*words)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertRegex(done.stdout, r"(?m)^Examples?:$")
