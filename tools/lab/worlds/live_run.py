@@ -40,7 +40,7 @@ class Target:
 class RunPlan:
     """One run of a world with palpated."""
 
-    world: str
+    world: str  # of palpate-world, or palpate-sim: that program instead
     scene: Path
     configuration: Path
     world_arguments: Sequence[str] = ()
@@ -136,11 +136,13 @@ def run_live(plan: RunPlan, folder: Path) -> RunFiles:
             thread.start()
             time.sleep(0.3)
         seconds = [] if plan.seconds is None else ["--duration", plan.seconds]
-        world = start(
-            "palpate-world", sys.executable, Path(__file__).parent / "palpate-world", plan.scene,
-            "--world", plan.world, "--lock-step", *urls, *seconds, "--json",
-            folder / "world.json", *plan.world_arguments,
-        )  # fmt: skip
+        program: list[object] = [
+            sys.executable, Path(__file__).parent / "palpate-world", plan.scene, "--world",
+            plan.world, "--lock-step", "--json", folder / "world.json",
+        ]  # fmt: skip
+        if plan.world == "palpate-sim":
+            program = [plan.bin / "palpate-sim", plan.scene, "--fast"]
+        world = start("palpate-world", *program, *urls, *seconds, *plan.world_arguments)
         if world.process.wait() != 0:
             raise world.fail(f"ended with code {world.process.returncode}")
         if daemon.process.poll() is not None:
