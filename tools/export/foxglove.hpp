@@ -1,15 +1,12 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "tools/export/shape_follower.hpp"
 
 namespace palpate::exporting {
 
-/// JSON schemas of the messages below, by their Foxglove names: foxglove.X.
-nlohmann::ordered_json foxglove_schema(const std::string& name);
+/// Foxglove's messages as JSON; foxglove_schemas.hpp has their schemas.
 
 /// foxglove.SceneUpdate of an instant, in frame O: the estimate as a surface coloured by its
 /// displacement (`largest`: m, of the lightest colour), contacts as arrows, feature and target as

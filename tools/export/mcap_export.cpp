@@ -10,8 +10,10 @@
 #include "rt/bus/event_log_reader.hpp"
 #include "tools/export/foreign_json.hpp"
 #include "tools/export/foxglove.hpp"
+#include "tools/export/foxglove_schemas.hpp"
 #include "tools/export/json_schema.hpp"
 #include "tools/export/mcap_writer.hpp"
+#include "tools/export/protobuf_encoder.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -29,6 +31,7 @@ class Exporter {
  public:
   Exporter(Source& source, const McapOptions& options, const std::filesystem::path& file)
       : source_(&source), options_(options), mcap_(file, options.compression) {
+    if (options.protobuf) protobuf_.emplace();
     for (const ChannelSurvey& channel : source.found().channels)
       if (source.is_selected(channel) || source.is_foreign_selected(channel)) add_channel(channel);
     const bool wants_scene = options.scene_rate > 0 && ShapeFollower::is_possible(source) &&
@@ -149,11 +152,14 @@ class Exporter {
   void put(const std::string& topic, const std::string& schema_name, const std::string& json,
            std::int64_t utime) {
     auto& schema = schemas_[schema_name];
-    if (schema == 0) schema = mcap_.add_schema(schema_name, foxglove_schema(schema_name).dump());
+    if (schema == 0)
+      schema = protobuf_ ? mcap_.add_schema(schema_name, protobuf_->descriptions(),
+                                            MessageEncoding::kProtobuf)
+                         : mcap_.add_schema(schema_name, foxglove_schema(schema_name).dump());
     const auto [found, is_new] = topics_.try_emplace(topic);
     if (is_new) found->second.channel = mcap_.add_channel(topic, schema);
     mcap_.add_message(found->second.channel, found->second.sequence++, nanoseconds(utime),
-                      nanoseconds(utime), json);
+                      nanoseconds(utime), protobuf_ ? protobuf_->encode(schema_name, json) : json);
   }
 
   struct Topic {
@@ -165,6 +171,7 @@ class Exporter {
   McapOptions options_;
   McapWriter mcap_;
   std::optional<ShapeFollower> follower_;
+  std::optional<ProtobufEncoder> protobuf_;
   std::map<std::string, std::uint16_t> schemas_;  // by name
   std::map<Key, std::uint16_t> channels_;
   std::map<std::uint16_t, std::uint32_t> foreign_sequences_;

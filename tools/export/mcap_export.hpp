@@ -14,6 +14,7 @@ struct McapOptions {
   Compression compression = Compression::kZstd;
   double scene_rate = 20;          // Hz, of the added channels for 3-D views; 0: none
   std::optional<math::Pose> X_WO;  // pose of the object, if known
+  bool protobuf = false;           // the added channels in Protobuf in place of JSON
 };
 
 /// Writes the selected channels to one MCAP file as JSON messages with their schemas

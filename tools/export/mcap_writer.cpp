@@ -130,10 +130,12 @@ void McapWriter::put(std::string_view bytes) {
   out_.write(bytes);
 }
 
-std::uint16_t McapWriter::add_schema(const std::string& name, const std::string& json_schema) {
+std::uint16_t McapWriter::add_schema(const std::string& name, const std::string& schema,
+                                     MessageEncoding encoding) {
   const auto id = static_cast<std::uint16_t>(schemas_.size() + 1);
-  schemas_.push_back(
-      record(kSchema, Bytes().number(id).text(name).text("jsonschema").text(json_schema)));
+  const char* kind = encoding == MessageEncoding::kProtobuf ? "protobuf" : "jsonschema";
+  schemas_.push_back(record(kSchema, Bytes().number(id).text(name).text(kind).text(schema)));
+  encodings_.push_back(encoding);
   chunk_ += schemas_.back();
   return id;
 }
@@ -143,8 +145,10 @@ std::uint16_t McapWriter::add_channel(
     const std::vector<std::pair<std::string, std::string>>& metadata) {
   if (channels_.size() >= 65535) throw std::runtime_error("an MCAP file holds 65535 channels");
   const auto id = static_cast<std::uint16_t>(channels_.size());
-  channels_.push_back(
-      record(kChannel, Bytes().number(id).number(schema).text(topic).text("json").texts(metadata)));
+  const char* encoding =
+      encodings_.at(schema - 1U) == MessageEncoding::kProtobuf ? "protobuf" : "json";
+  channels_.push_back(record(
+      kChannel, Bytes().number(id).number(schema).text(topic).text(encoding).texts(metadata)));
   channel_messages_.push_back(0);
   chunk_ += channels_.back();
   return id;

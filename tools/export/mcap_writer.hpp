@@ -20,6 +20,9 @@ const char* name_of(Compression compression);
 /// A complete frame of the given kind. Throws std::runtime_error.
 std::string compress(Compression compression, std::string_view bytes);
 
+/// Encoding of the messages of a schema.
+enum class MessageEncoding { kJson, kProtobuf };
+
 /// Writes an MCAP file (version 0 of its specification): chunks, each followed by an index of
 /// messages, then a summary with schemas, channels, chunk index, metadata index and statistics,
 /// each part protected by its CRC. Holds one chunk in memory, and a few numbers for each written.
@@ -29,9 +32,10 @@ class McapWriter {
   McapWriter(const std::filesystem::path& file, Compression compression,
              std::int64_t chunk_size = 1 << 20);
 
-  /// A JSON schema; ids count from 1.
-  std::uint16_t add_schema(const std::string& name, const std::string& json_schema);
-  /// A channel of JSON messages. Throws std::runtime_error beyond 65,535 of them.
+  /// A JSON schema, or the descriptions of a Protobuf message; ids count from 1.
+  std::uint16_t add_schema(const std::string& name, const std::string& schema,
+                           MessageEncoding encoding = MessageEncoding::kJson);
+  /// A channel of messages as its schema has them. Throws std::runtime_error beyond 65,535 of them.
   std::uint16_t add_channel(const std::string& topic, std::uint16_t schema,
                             const std::vector<std::pair<std::string, std::string>>& metadata = {});
   /// Metadata about the file as a whole. Call before the first message.
@@ -84,6 +88,7 @@ class McapWriter {
   Span chunk_span_, span_;
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_;
   std::vector<std::string> schemas_, channels_;  // complete records
+  std::vector<MessageEncoding> encodings_;       // by schema
   std::vector<ChunkIndex> chunks_;
   std::vector<MetadataIndex> metadata_;
   std::vector<std::uint64_t> channel_messages_;  // by channel

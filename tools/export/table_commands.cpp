@@ -48,6 +48,9 @@ void add_mcap(CLI::App& app, std::function<void()>& chosen) {
                    "Configuration of palpated: says where the object is, so that arm and object "
                    "share a frame")
       ->check(CLI::ExistingFile);
+  command->add_flag("--protobuf", options->mcap.protobuf,
+                    "what is added for 3-D views in Protobuf in place of JSON, which Rerun "
+                    "reads");
   command->add_option("-o,--output", options->output, "File to write, .mcap")->required();
   command->callback([options, &chosen] {
     chosen = [options] {

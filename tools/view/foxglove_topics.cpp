@@ -5,6 +5,7 @@
 
 #include "tools/export/foreign_json.hpp"
 #include "tools/export/foxglove.hpp"
+#include "tools/export/foxglove_schemas.hpp"
 #include "tools/export/json_schema.hpp"
 
 namespace palpate::view {

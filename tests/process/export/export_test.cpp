@@ -95,6 +95,7 @@ TEST(Opened, ByParaView) {
 TEST(Opened, ByTheLibrariesOfFoxglove) {
   const std::string node = path_of("node");
   if (node.empty()) GTEST_SKIP() << "node is not installed";
+  setenv("NODE_PATH", PALPATE_SOURCE_DIR "/build/foxglove/node_modules", 0);
   const SmallRun made;
   std::ofstream(made.folder() / "cell.yaml")
       << "frames: {object_in_base: {position: [0.5, 0, 0.2]}}\n";
@@ -119,6 +120,26 @@ TEST(Opened, ByTheLibrariesOfFoxglove) {
     expect("/shape/truth", "foxglove.SceneUpdate", SmallRun::kShapes);
     expect("/flange", "foxglove.PoseInFrame", 20);
   }
+}
+
+TEST(Opened, ByFoxglovesSchemasOfProtobuf) {
+  const SmallRun made;
+  std::vector<std::string> files;
+  for (const std::string kind : {"json", "protobuf"}) {
+    files.push_back((made.folder() / (kind + ".mcap")).string());
+    std::vector<std::string> words{"mcap",    made.control(), made.housekeeping(),
+                                   "--quiet", "-o",           files.back()};
+    if (kind == "protobuf") words.emplace_back("--protobuf");
+    expect_exported(words);
+  }
+  const auto [code, said] = run({PALPATE_SOURCE_DIR "/tests/support/in_worlds",
+                                 kHere + "read_protobuf.py", files[0], files[1]});
+  if (code == 77) GTEST_SKIP() << said;
+  ASSERT_EQ(code, 0) << said;
+  const nlohmann::json found = json_in(said);
+  EXPECT_EQ(found["/shape/estimate"], SmallRun::kShapes);
+  EXPECT_EQ(found["/shape/truth"], SmallRun::kShapes);
+  EXPECT_EQ(found["/flange"], 20);
 }
 
 /// Requirements of PlotJuggler's CSV reader, by its source (3.9): names in the first line, none of
