@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "rt/client/client.hpp"
+#include "rt/config/channel_names.hpp"
 #include "rt/config/command_line.hpp"
+#include "rt/config/key_file.hpp"
 #include "tools/command/touch.hpp"
 #include "tools/common/program.hpp"
 
@@ -15,9 +17,12 @@ namespace {
 namespace bus = palpate::bus;
 namespace client = palpate::client;
 
+constexpr const char* kControl = "udpm://239.255.76.67:7667?ttl=0";
+constexpr const char* kHousekeeping = "udpm://239.255.76.68:7668?ttl=0";
+
 struct Options {
-  std::string control = "udpm://239.255.76.67:7667?ttl=0";
-  std::string housekeeping = "udpm://239.255.76.68:7668?ttl=0";
+  std::string configuration;
+  std::string control, housekeeping;  // URLs; empty where --url gives none
   std::string key_file, new_key_file;
   double timeout = 10;  // s
   double reach = 0;     // m, rad, 1/m; 0: do not wait for it
@@ -70,6 +75,34 @@ void add_events(CLI::App& app, Options& options) {
   for (CLI::App* sub : app.get_subcommands({})) sub->fallthrough();
 }
 
+/// How to reach the daemon: as the command line says, else as its configuration does.
+struct Reach {
+  std::string control = kControl, housekeeping = kHousekeeping;
+  bus::ChannelNames channels;
+  bus::Access access;
+
+  explicit Reach(const Options& options) {
+    access.start_us = bus::wall_clock_us();
+    if (!options.configuration.empty()) {
+      const auto root = palpate::config::Node::load_file(options.configuration);
+      const auto bus = root.child_or_empty("bus");
+      control = bus.text({"control", "", "URL"}, kControl);
+      housekeeping = bus.text({"housekeeping", "", "URL"}, kHousekeeping);
+      channels = palpate::config::read_channel_names(bus);
+      if (options.key_file.empty()) access.key = palpate::config::read_key(root);
+    }
+    if (!options.control.empty()) control = options.control;
+    if (!options.housekeeping.empty()) housekeeping = options.housekeeping;
+    if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
+  }
+
+  std::unique_ptr<bus::MessageBus> open(const std::string& url) const {
+    auto opened = bus::make_lcm_bus(url);
+    opened->set_channel_names(channels);
+    return opened;
+  }
+};
+
 /// Waits until the feature reaches its target, and prints the remaining error.
 int follow(client::Client& daemon, const Options& options) {
   const bool reached = daemon.wait(options.timeout, [&] {
@@ -91,14 +124,12 @@ int run(const CLI::App& app, Options& options) {
     std::printf("%s: a new key; name it under access.key_file\n", options.new_key_file.c_str());
     return 0;
   }
-  bus::Access access;
-  access.start_us = bus::wall_clock_us();
-  if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
+  const Reach reach(options);
   const std::string name = app.get_subcommands().at(0)->get_name();
-  const auto control = bus::make_lcm_bus(options.control);
-  if (name == "touch") return options.touch.run(*control, access, options.timeout);
-  const auto housekeeping = bus::make_lcm_bus(options.housekeeping);
-  client::Client daemon(*control, *housekeeping, access);
+  const auto control = reach.open(reach.control);
+  if (name == "touch") return options.touch.run(*control, reach.access, options.timeout);
+  const auto housekeeping = reach.open(reach.housekeeping);
+  client::Client daemon(*control, *housekeeping, reach.access);
 
   client::Answer answer;
   if (name == "target") {
@@ -113,7 +144,7 @@ int run(const CLI::App& app, Options& options) {
   }
   if (answer.event.empty()) {
     std::fprintf(stderr, "%s (%g s, %s)\n", answer.reason.c_str(), options.timeout,
-                 options.control.c_str());
+                 reach.control.c_str());
     return 1;
   }
   std::printf("%s%s%s\n", answer.event.c_str(), answer.reason.empty() ? "" : ": ",
@@ -127,8 +158,14 @@ int run(const CLI::App& app, Options& options) {
 int main(int argc, char** argv) {
   CLI::App app("palpate-command sends a command to a running palpated, and prints the answer.");
   Options options;
+  options.control = kControl, options.housekeeping = kHousekeeping;  // as --help names them
   palpate::config::add_url_option(
       app, {{"control", &options.control}, {"housekeeping", &options.housekeeping}});
+  options.control.clear(), options.housekeeping.clear();
+  app.add_option("--config", options.configuration,
+                 "the daemon's configuration: URLs, names of channels and key, as far as --url and "
+                 "--key do not give them")
+      ->check(CLI::ExistingFile);
   app.add_option("--key", options.key_file, "file of the key that the daemon has");
   app.add_option("--timeout", options.timeout, "s, to wait for an answer")
       ->check(CLI::PositiveNumber)
@@ -138,6 +175,7 @@ int main(int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  palpate-command zero\n"
+      "  palpate-command --config my.yaml start\n"
       "  palpate-command --key robot.key start\n"
       "  palpate-command target point 0.25 0.03 0.08 --reach 2e-3\n"
       "  palpate-command replace control --set provider=kinematic\n"

@@ -5,11 +5,11 @@ from __future__ import annotations
 import secrets
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Protocol
+from typing import Any, Callable, Deque, Dict, Iterator, List, Mapping, Optional, Protocol
 
 from palpate import messages
 from palpate.authentication import wall_clock_us
-from palpate.channels import decode, type_of
+from palpate.channels import check_renamed, decode, type_of
 from palpate.closing import Closing
 from palpate.mesh import ShapeBuilder
 from palpate.udpm import Packet, Transport
@@ -143,13 +143,21 @@ class Bus(Closing):
             print(shape.node_count)
     """
 
-    def __init__(self, url: str = CONTROL_URL, transport: str = "python") -> None:
-        """transport: "python", or "lcm" for the wheel of that name. Raises ValueError for an
-        invalid URL and OSError if the socket cannot be opened."""
+    def __init__(
+        self,
+        url: str = CONTROL_URL,
+        transport: str = "python",
+        channels: Optional[Mapping[str, str]] = None,
+    ) -> None:
+        """transport: "python", or "lcm" for the wheel of that name; channels: names on the bus in
+        place of palpate's own, as the key bus.channels of a configuration. Raises ValueError for
+        an invalid URL or name and OSError if the socket cannot be opened."""
         if transport not in ("python", "lcm"):
             raise ValueError(f'transport "{transport}" is unknown; allowed: python, lcm')
         self.url = url
         make: Dict[str, Callable[[str], _Transport]] = {"python": Transport, "lcm": _LcmTransport}
+        self._names = check_renamed(channels or {})
+        self._own_names = {name: own for own, name in self._names.items()}
         self._transport = make[transport](url)
         self._session = secrets.randbits(63)
         self._seq: Dict[str, int] = {}
@@ -163,7 +171,7 @@ class Bus(Closing):
             expected = "is no channel of palpate" if kind is None else f"takes {kind.__name__}"
             raise TypeError(f"{channel} {expected}, not {type(message).__name__}")
         self.stamp(channel, message)
-        self._transport.publish(channel, message.encode())
+        self.publish_sealed(channel, message)
 
     def stamp(self, channel: str, message: Any) -> None:
         """Sets utime (unless already set), session and the next seq of the channel."""
@@ -174,7 +182,7 @@ class Bus(Closing):
 
     def publish_sealed(self, channel: str, message: Any) -> None:
         """Sends a message unchanged: one that has been stamped and signed."""
-        self._transport.publish(channel, message.encode())
+        self._transport.publish(self._names.get(channel, channel), message.encode())
 
     def subscribe(
         self, channel: str, callback: Optional[Callback] = None, queue: int = 1024
@@ -199,7 +207,10 @@ class Bus(Closing):
         packet = self._transport.receive(timeout)
         if packet is None:
             return False
-        for subscription in tuple(self._subscriptions.get(packet.channel, ())):
+        own = self._own_names.get(packet.channel)
+        if own is None and packet.channel not in self._names:
+            own = packet.channel
+        for subscription in tuple(self._subscriptions.get(own or "", ())):
             subscription._take(packet.data)
         return True
 

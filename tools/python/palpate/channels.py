@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
-from typing import Any, Protocol, Type
+from typing import Any, Dict, Mapping, Protocol, Type
 
 from palpate.channel_table import CHANNELS
 
@@ -28,6 +28,21 @@ class DecodeError(ValueError):
 def channel_names() -> list[str]:
     """Every channel without its number: BIOTAC stands for BIOTAC_0 to BIOTAC_4."""
     return sorted(CHANNELS)
+
+
+def check_renamed(names: Mapping[str, str]) -> Dict[str, str]:
+    """A copy of palpate's own names of channels and their names on a bus, as the key
+    bus.channels of a configuration. Raises ValueError for an unknown channel, an impossible name
+    and one that is not unique."""
+    for own, name in names.items():
+        if type_of(own) is None:
+            raise ValueError(f"{own}: is not a channel of palpate; see palpate.channel_names()")
+        if not re.fullmatch(r"[A-Z0-9_]{1,63}", name):
+            raise ValueError(f"{own}: {name}; allowed: 1 to 63 of the characters A-Z, 0-9 and _")
+        others = [other for other in names if other != own and names[other] == name]
+        if others or (name != own and name not in names and type_of(name) is not None):
+            raise ValueError(f"{own}: {name} is the name of {(others or [name])[0]} as well")
+    return dict(names)
 
 
 def type_of(channel: str) -> Type[Any] | None:

@@ -56,14 +56,16 @@ class Daemon(Closing):
         key_file: Union[str, "os.PathLike[str]", None] = None,
         timeout: float = 10.0,
         transport: str = "python",
+        channels: Optional[Mapping[str, str]] = None,
     ) -> None:
-        """key_file: as the daemon's access.key_file; timeout: s, for each command. Raises
-        ValueError for an invalid URL or key file, OSError if the system refuses them."""
+        """key_file, channels: as the daemon's access.key_file and bus.channels; timeout: s, for
+        each command. Raises ValueError for an invalid URL, key file or name of a channel, OSError
+        if the system refuses them."""
         key = None if key_file is None else read_key_file(key_file)
         self.timeout = timeout
-        self.control = Bus(control, transport)
+        self.control = Bus(control, transport, channels)
         try:
-            self.housekeeping = Bus(housekeeping, transport)
+            self.housekeeping = Bus(housekeeping, transport, channels)
         except BaseException:
             self.control.close()
             raise

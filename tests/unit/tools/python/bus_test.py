@@ -59,6 +59,27 @@ class Buses(unittest.TestCase):
         self.assertEqual(few.dropped, 3)
         self.assertEqual([message.tick for _, message in zip(range(2), few)], [3, 4])
 
+    def test_channels_have_other_names_on_the_bus(self) -> None:
+        renamed = palpate.Bus(self.url, channels={"IMU": "LEFT_IMU", "FEATURE": "F"})
+        self.addCleanup(renamed.close)
+        there, here = self.bus.subscribe("IMU"), renamed.subscribe("IMU")
+        self.bus.publish("IMU", messages.imu_t())  # by a name that no longer is the channel's
+        renamed.publish("IMU", messages.imu_t())
+        self.assertEqual(here.get(5).session, renamed._session)
+        self.assertEqual(there.get(5).session, self.bus._session)
+        self.bus._transport.publish("LEFT_IMU", messages.imu_t().encode())
+        self.assertEqual(here.get(5).session, 0)
+        with self.assertRaises(TimeoutError):
+            here.get(0.1)
+
+    def test_impossible_names_of_channels_are_named(self) -> None:
+        for names, wrong in (({"IMU_": "A"}, "IMU_: is not a channel"), ({"IMU": "left imu"}, "IMU: left imu; allowed"),
+                             ({"IMU": "FEATURE"}, "FEATURE is the name of FEATURE"),
+                             ({"IMU": "A", "FEATURE": "A"}, "A is the name of FEATURE")):  # fmt: skip
+            with self.assertRaisesRegex(ValueError, wrong):
+                palpate.Bus(self.url, channels=names)
+        palpate.Bus(self.url, channels={"IMU": "FEATURE", "FEATURE": "IMU"}).close()
+
     def test_large_messages_go_in_fragments(self) -> None:
         message = messages.picture_t()
         message.data = os.urandom(300_000)
