@@ -30,7 +30,7 @@ NOT_RUN = {
     "tools/lab/report/run_shards": "takes hours; process.published.studies runs it on a small plan",
     "tools/packaging/install-worlds": "downloads packages; install-dependencies has run it",
     "build/worlds/bin/python tools/lab/worlds/": "takes minutes; process.worlds runs the programs for seconds",
-    "sbatch": "needs a cluster; process.published.studies runs its script",
+    "sbatch": "needs a cluster; process.published.clusters runs its script on one",
     "palpate-evaluate control": "takes hours; process.published.studies runs it on a small plan",
     "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",
     "palpate-evaluate discrepancies --worlds 200": "takes an hour; the line before it is run",

@@ -1,35 +1,15 @@
-"""The studies of published methods from a single command; and in shards: as tasks of a Slurm array,
-and by GNU parallel over hosts that are network namespaces.
+"""The studies of published methods from a single command; and in shards by GNU parallel over hosts that
+are network namespaces.
 
 studies_test.py BIN_FOLDER SOURCE_FOLDER
 """
-import json
 import os
-import pathlib
 import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
 
-BIN, ROOT = pathlib.Path(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1))
-EVALUATE = BIN / "palpate-evaluate"
-HOSTS = [f"palpate{os.getpid() % 10000}{letter}" for letter in "ab"]
+from study_case import EVALUATE, ROOT, StudyTest, run
 
-PLAN = """octree_resolution: 0.02
-applications:
-  - name: pull
-    kind: control
-    scene: sim/scenes/bar_long_soft_control_markers.yaml
-    configuration: rt/config/examples/bar_long_soft.yaml
-    method_file: tools/lab/studies/baselines_tuned.yaml
-    mismatch_file: tools/lab/studies/vision.yaml
-    methods: ["palpate, model and markers", kinematic only]
-    mismatch: [perfect vision, blind]
-    seeds: [1]
-    duration: 0.6
-    target: {feature: point, rest_points: [[0.25, 0.03, 0.06]], displacement: [0, 0, 0.01]}
-"""
+HOSTS = [f"palpate{os.getpid() % 10000}{letter}" for letter in "ab"]
 
 SENSING = """octree_resolution: 0.02
 applications:
@@ -61,12 +41,6 @@ SHELL=/bin/sh exec ip netns exec "$host" sh -c "$*"
 """
 
 
-def run(command, **variables):
-    return subprocess.run([str(word) for word in command], check=False, text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          env={**os.environ, "PALPATE_EVALUATE": str(EVALUATE), **variables})
-
-
 def make_hosts():
     """Two namespaces with a multicast-capable loopback. False if that is not permitted."""
     for host in HOSTS:
@@ -87,28 +61,7 @@ def remove_hosts():
             run(["ip", "netns", "del", host])
 
 
-class Studies(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.path = pathlib.Path(self.folder.name)
-        (self.path / "plan.yaml").write_text(PLAN, encoding="utf-8")
-        self.study = ["control", "--plan", self.path / "plan.yaml", "--output",
-                      self.path / "out/control"]
-
-    def tearDown(self):
-        self.folder.cleanup()
-
-    def results(self):
-        files = sorted((self.path / "out/control").glob("*/result.json"))
-        return [json.loads(file.read_text(encoding="utf-8")) for file in files]
-
-    def check_report(self):
-        report = run([ROOT / "tools/lab/report/report_baselines", self.path / "out"])
-        self.assertEqual(report.returncode, 0, report.stdout)
-        self.assertIn("Shape control, Table 2.2", report.stdout)
-        rows = (self.path / "out/control.csv").read_text(encoding="utf-8").splitlines()
-        self.assertEqual(len(rows), 5)
-
+class Studies(StudyTest):
     def test_one_command_runs_everything_once(self):
         (self.path / "scene.yaml").write_text(SCENE.format(root=ROOT), encoding="utf-8")
         (self.path / "sensing.yaml").write_text(SENSING.format(folder=self.path), encoding="utf-8")
@@ -130,23 +83,6 @@ class Studies(unittest.TestCase):
         self.assertIn("1 jobs run, 3 kept, 0 failed", again.stdout)
         self.assertIn("methods on recordings: 0 run, 2 kept, 0 failed", again.stdout)
         self.check_report()
-
-    def test_slurm_array(self):
-        """As sbatch runs the script: with its variables, one task after the other."""
-        for task in (1, 2, 3):
-            said = run(["sh", ROOT / "tools/lab/report/shards.sbatch", *self.study],
-                       SLURM_ARRAY_TASK_ID=str(task), SLURM_ARRAY_TASK_COUNT="3",
-                       SLURM_SUBMIT_DIR=str(ROOT))
-            self.assertEqual(said.returncode, 0, said.stdout)
-            self.assertIn(f"shard {task}/3: {2 if task == 1 else 1} of 4 jobs", said.stdout)
-        self.assertEqual(len(self.results()), 4)
-        merged = run([EVALUATE, "--root", ROOT, *self.study, "--report-only"])
-        self.assertEqual(merged.returncode, 0, merged.stdout)
-        self.assertTrue((self.path / "out/control/report.html").exists())
-        self.check_report()
-        outside = run(["sh", ROOT / "tools/lab/report/shards.sbatch", *self.study])
-        self.assertNotEqual(outside.returncode, 0)
-        self.assertIn("SLURM_ARRAY_TASK_ID", outside.stdout)
 
     def test_gnu_parallel_over_hosts(self):
         if shutil.which("parallel") is None:
