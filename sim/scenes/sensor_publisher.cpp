@@ -13,8 +13,11 @@ SensorPublisher::SensorPublisher(bus::MessageBus& control, std::int64_t session,
       imu_(control, channel::of_arm(channel::kImu, arm), session),
       robot_(control, channel::of_arm(channel::kRobotState, arm), session),
       hand_(control, channel::of_arm(channel::kHandState, arm), session) {
-  for (int i = 0; i < sensors::kMostFingertips; ++i)
-    biotacs_.emplace_back(control, channel::of_arm("BIOTAC_" + std::to_string(i), arm), session);
+  for (int i = 0; i < sensors::kMostFingertips; ++i) {
+    const std::string finger = std::to_string(i);
+    biotacs_.emplace_back(control, channel::of_arm("BIOTAC_" + finger, arm), session);
+    fingertips_.emplace_back(control, channel::of_arm("FINGERTIP_" + finger, arm), session);
+  }
 }
 
 void SensorPublisher::publish(const sensors::RobotReading& reading) {
@@ -58,14 +61,28 @@ void SensorPublisher::publish(int finger, const sensors::BiotacReading& reading)
   biotacs_[finger].publish(message, start_utime_ + reading.time_us);
 }
 
+void SensorPublisher::publish(int finger, const sensors::FingertipReading& reading) {
+  fingertip_t message{};
+  message.contact = reading.contact ? 1 : 0;
+  Eigen::Map<Eigen::Vector3d>(message.place) = reading.place;
+  Eigen::Map<Eigen::Vector3d>(message.normal) = reading.normal;
+  Eigen::Map<Eigen::Vector3d>(message.force) = reading.force;
+  message.place_deviation = reading.place_deviation;
+  message.force_deviation = reading.force_deviation;
+  message.area = reading.area;
+  fingertips_[finger].publish(message, start_utime_ + reading.time_us);
+}
+
 void SensorPublisher::publish(sensors::SensorSuite& suite, std::int64_t now_us) {
   sensors::RobotReading robot;
   while (suite.take(now_us, robot)) publish(robot);
   sensors::HandReading hand;
   while (suite.take(now_us, hand)) publish(hand);
   sensors::BiotacReading biotac;
+  sensors::FingertipReading fingertip;
   for (int i = 0; i < sensors::kMostFingertips; ++i) {
     while (suite.take(now_us, i, biotac)) publish(i, biotac);
+    while (suite.take(now_us, i, fingertip)) publish(i, fingertip);
   }
   sensors::InertialReading inertial;
   while (suite.take(now_us, inertial)) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <palpate/biotac_t.hpp>
+#include <palpate/fingertip_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_state_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -28,6 +29,7 @@ class SensorPublisher {
   void publish(const sensors::RobotReading& reading);
   void publish(const sensors::HandReading& reading);
   void publish(int finger, const sensors::BiotacReading& reading);
+  void publish(int finger, const sensors::FingertipReading& reading);
 
   std::int64_t start_utime_;
   bus::StampedPublisher<ft_wrench_t> ft_;
@@ -35,6 +37,7 @@ class SensorPublisher {
   bus::StampedPublisher<robot_state_t> robot_;
   bus::StampedPublisher<hand_state_t> hand_;
   std::vector<bus::StampedPublisher<biotac_t>> biotacs_;
+  std::vector<bus::StampedPublisher<fingertip_t>> fingertips_;
 };
 
 }  // namespace palpate::scenes

@@ -49,6 +49,10 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
     biotac_channels_.emplace_back(table.biotac.timing, math::Random(seed, "biotac_time" + finger));
     biotacs_.emplace_back(table.biotac, biotac_channels_.back().period(),
                           math::Random(seed, "biotac" + finger));
+    fingertip_channels_.emplace_back(table.fingertip.timing,
+                                     math::Random(seed, "fingertip_time" + finger));
+    fingertip_sensors_.emplace_back(table.fingertip, fingertip_channels_.back().period(),
+                                    math::Random(seed, "fingertip_sensor" + finger));
   }
 }
 
@@ -90,16 +94,22 @@ HandReading SensorSuite::measure_hand(const HandReading& truth) {
   return r;
 }
 
-void SensorSuite::sample_biotacs(std::int64_t now_us,
-                                 const std::vector<std::vector<Touch>>& touches) {
+void SensorSuite::sample_fingertips(std::int64_t now_us,
+                                    const std::vector<std::vector<Touch>>& touches) {
   if (touches.size() > biotacs_.size())
     throw std::invalid_argument("a hand has five fingertips at most");
   for (std::size_t i = 0; i < touches.size(); ++i) {
     biotacs_[i].step(1e-6 * static_cast<double>(now_us - last_us_), touches[i]);
-    if (!biotac_channels_[i].due(now_us)) continue;
-    BiotacReading r = biotacs_[i].read();
-    r.time_us = biotac_channels_[i].stamp(now_us);
-    biotac_channels_[i].put(now_us, r);
+    if (biotac_channels_[i].due(now_us)) {
+      BiotacReading r = biotacs_[i].read();
+      r.time_us = biotac_channels_[i].stamp(now_us);
+      biotac_channels_[i].put(now_us, r);
+    }
+    if (fingertip_channels_[i].due(now_us)) {
+      FingertipReading r = fingertip_sensors_[i].read(touches[i]);
+      r.time_us = fingertip_channels_[i].stamp(now_us);
+      fingertip_channels_[i].put(now_us, r);
+    }
   }
   last_us_ = now_us;
 }
@@ -128,7 +138,7 @@ void SensorSuite::sample(std::int64_t now_us, const Truth& truth) {
     r.time_us = hand_.stamp(now_us);
     hand_.put(now_us, std::move(r));
   }
-  sample_biotacs(now_us, truth.touches);
+  sample_fingertips(now_us, truth.touches);
 }
 
 }  // namespace palpate::sensors

@@ -6,6 +6,7 @@
 
 #include "sim/sensors/biotac.hpp"
 #include "sim/sensors/channel.hpp"
+#include "sim/sensors/fingertip_sensor.hpp"
 
 namespace palpate::sensors {
 
@@ -43,7 +44,7 @@ struct Truth {
   RobotReading robot;
   HandReading hand;
   math::Pose X_WS = math::Pose::Identity();           // the force-torque sensor
-  std::vector<std::vector<Touch>> touches;            // by fingertip; empty: no BioTac is sampled
+  std::vector<std::vector<Touch>> touches;            // by fingertip; empty: none is sampled
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  // of the flange, linear first
 };
 
@@ -68,12 +69,15 @@ class SensorSuite {
   bool take(std::int64_t now_us, int finger, BiotacReading& r) {
     return biotac_channels_[finger].take(now_us, r);
   }
+  bool take(std::int64_t now_us, int finger, FingertipReading& r) {
+    return fingertip_channels_[finger].take(now_us, r);
+  }
 
  private:
   math::Vector6d disturbed_wrench(std::int64_t now_us, const Truth& truth);
   RobotReading measure_robot(const Truth& truth);
   HandReading measure_hand(const HandReading& truth);
-  void sample_biotacs(std::int64_t now_us, const std::vector<std::vector<Touch>>& touches);
+  void sample_fingertips(std::int64_t now_us, const std::vector<std::vector<Touch>>& touches);
 
   Channel<ForceTorqueReading> force_torque_;
   Channel<InertialReading> imu_;
@@ -88,6 +92,8 @@ class SensorSuite {
   std::vector<Signal> fingertips_;
   std::vector<Channel<BiotacReading>> biotac_channels_;
   std::vector<Biotac> biotacs_;
+  std::vector<Channel<FingertipReading>> fingertip_channels_;
+  std::vector<FingertipSensor> fingertip_sensors_;
   std::int64_t last_us_ = 0;
   math::Pose X_EE_reported_;  // reported flange pose in the true one
 };

@@ -165,6 +165,10 @@ void read(const config::Node& node, SensorTable& table) {
   read(hand, table.hand_state.timing);
   read(hand, "fingertip", table.hand_state.fingertip);
   read(node.child_or_empty({"biotac", "", "BIOTAC_n"}), table.biotac);
+  const config::Node fingertip = node.child_or_empty({"fingertip", "", "FINGERTIP_n"});
+  read(fingertip, table.fingertip.timing);
+  read(fingertip, "place", table.fingertip.place);
+  read(fingertip, "force", table.fingertip.force);
   const config::Node camera = node.child_or_empty({"camera", "", "SHAPE_OBSERVATION"});
   read(camera, table.camera.timing);
   read(camera.child_or_empty({"depth", "", "of the depth image"}), table.camera.noise);

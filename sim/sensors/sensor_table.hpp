@@ -59,6 +59,12 @@ struct BiotacTable {
   double warm_up_electrode = 0, warm_up_pressure = 0, warm_up_temperature = 0;  // counts in all
 };
 
+/// Parameters of every fingertip that reports place, normal and force.
+struct FingertipTable {
+  Timing timing;
+  Faults place, force;  // m, N
+};
+
 /// sensors.yaml as a struct, with the changes made by a scene.
 struct SensorTable {
   struct {
@@ -85,6 +91,7 @@ struct SensorTable {
     Faults fingertip;  // m
   } hand_state;
   BiotacTable biotac;
+  FingertipTable fingertip;
   struct {
     Timing timing;
     camera::DepthNoiseOptions noise;

@@ -144,6 +144,31 @@ TEST(Fingertips, ReactiveGraspEndsInItsBand) {
   EXPECT_LT(touches.back().force[4][2], -0.1);  // from above
 }
 
+TEST(Fingertips, MessagesReportTheTouchWithTheirDeviations) {
+  Stage stage(kTactile, {});
+  stage.run(kHeld);
+  const Simulation& s = stage.simulation;
+  for (int finger = 0; finger < 5; ++finger) {
+    const auto messages = stage.sent<fingertip_t>("FINGERTIP_" + std::to_string(finger));
+    ASSERT_NEAR(messages.size(), 100 * kHeld, 2);
+    const fingertip_t& last = messages.back();
+    EXPECT_EQ(last.place_deviation, 3e-4);
+    EXPECT_EQ(last.force_deviation, 0.02);
+    const bool touches = std::find(kTouching.begin(), kTouching.end(), finger) != kTouching.end();
+    EXPECT_EQ(last.contact, touches ? 1 : 0) << finger;
+    if (!touches) continue;
+    const object::FingertipTouch& touch = s.plant().fingertip(finger).touch();
+    const math::Pose X_TO = tip_in_world(s, finger).inverse() * s.scene().X_WO;
+    const Vector3d force = -(X_TO.linear() * touch.force), place = X_TO * touch.point;
+    const Eigen::Map<const Vector3d> found(last.force), at(last.place), normal(last.normal);
+    EXPECT_LT((found - force).norm(), 5 * 0.02 + 0.05 * force.norm()) << finger;
+    EXPECT_LT((at - sensing::project_on_skin(place)).norm(), 5 * 3e-4) << finger;
+    EXPECT_NEAR(normal.norm(), 1, 1e-12);
+    EXPECT_GT(normal.dot(force), 0.5 * force.norm()) << "it presses: " << finger;
+    EXPECT_NEAR(last.area, touch.area, 0.2 * touch.area) << finger;
+  }
+}
+
 TEST(Fingertips, BiotacMessagesShowWhereTheTouchIs) {
   Stage stage(kTactile, {});
   stage.run(kHeld);
@@ -226,7 +251,9 @@ TEST(Fingertips, ThoseThatTouchNothingChangeNothingElse) {
     stage.run(2);
     std::vector<bus::Published> kept;
     for (const bus::Published& m : stage.messages)
-      if (m.channel.rfind("BIOTAC_", 0) != 0 && m.channel != "TRUTH_TOUCH") kept.push_back(m);
+      if (m.channel.rfind("BIOTAC_", 0) != 0 && m.channel.rfind("FINGERTIP_", 0) != 0 &&
+          m.channel != "TRUTH_TOUCH")
+        kept.push_back(m);
     EXPECT_EQ(kept.size() == stage.messages.size(), overrides.empty());
     return kept;
   };

@@ -217,6 +217,31 @@ TEST(SensorSuite, FingertipsThatTouchHaveBiotacs) {
   EXPECT_THROW(suite.sample(1'002'000, truth), std::invalid_argument);
 }
 
+TEST(SensorSuite, FingertipsReportForceAndCentreOfTheirTouches) {
+  SensorSuite suite(table("{fingertip: {place: {noise: 0}, force: {noise: 0}, rate: 50}}"), 1,
+                    grasp(), 7);
+  Truth truth = some_truth();
+  truth.touches.resize(2);
+  // Twice as much at the second place: the centre is two thirds of the way to it.
+  truth.touches[1] = {{{-9e-3, 0, -7e-3}, {0, 0, 1}, 2e-3}, {{-3e-3, 0, -7e-3}, {0, 0, 2}, 1e-3}};
+  int count = 0;
+  FingertipReading idle, touched;
+  for (std::int64_t now = 0; now <= 1'000'000; now += 1000) {
+    suite.sample(now, truth);
+    while (suite.take(now, 0, idle)) ++count;
+    while (suite.take(now, 1, touched)) {
+    }
+  }
+  EXPECT_NEAR(count, 50, 1);
+  EXPECT_FALSE(idle.contact);
+  EXPECT_EQ(idle.force, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(touched.contact);
+  EXPECT_LT((touched.force - Eigen::Vector3d(0, 0, -3)).norm(), 1e-12) << "on the object";
+  EXPECT_LT((touched.place - Eigen::Vector3d(-5e-3, 0, -7e-3)).norm(), 1e-12);
+  EXPECT_LT((touched.normal - Eigen::Vector3d(0, 0, -1)).norm(), 1e-12);
+  EXPECT_NEAR(touched.area, M_PI * 5e-6, 1e-12);
+}
+
 ForceTorqueReading reading_at(SensorSuite& suite, std::int64_t now_us, const Truth& truth) {
   suite.sample(now_us, truth);
   ForceTorqueReading r;
