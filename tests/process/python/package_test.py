@@ -54,6 +54,29 @@ class Packages(ProcessTest):
         self.assertEqual(said[0], str(folder / "palpate/__init__.py"))
         self.assertEqual(said[1], palpate.messages.imu_t().encode().hex())
 
+    def test_both_packings_are_installed_without_lcm_gen(self) -> None:
+        packed = self.folder / "packed"
+        self.run_words(SOURCE / "tools/packaging/make_python", packed)
+        environment = {"PATH": str(self.folder / "venv/bin"), "PYTHONDONTWRITEBYTECODE": "1"}
+        self.run_words("/usr/bin/python3", "-m", "venv", "--system-site-packages", self.folder / "venv")
+        python = self.folder / "venv/bin/python"
+        packings = sorted(packed.iterdir())
+        self.assertEqual([path.suffix for path in packings], [".whl", ".gz"])
+        code = "import palpate; print(palpate.__file__, palpate.messages.imu_t().encode().hex())"
+        for packing in packings:
+            for words in (
+                ["-m", "pip", "install", "--quiet", "--no-index", "--no-build-isolation", "--no-deps",
+                 "--force-reinstall", str(packing)],
+                ["-c", code],
+            ):  # fmt: skip
+                done = subprocess.run(
+                    [str(python), *words], env=environment, cwd=self.folder, capture_output=True, text=True
+                )
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            where, message = done.stdout.split()
+            self.assertTrue(where.startswith(str(self.folder)), where)
+            self.assertEqual(message, palpate.messages.imu_t().encode().hex())
+
 
 if __name__ == "__main__":
     unittest.main()
