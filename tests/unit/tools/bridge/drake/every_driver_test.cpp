@@ -77,7 +77,7 @@ TEST_P(EveryDriver, MovesAsCommandedAndReportsTheArm) {
 }
 
 TEST_P(EveryDriver, ReportsExternalTorquesWhereConfigured) {
-  Cell cell(GetParam(), bent(), true);
+  Cell cell(GetParam(), Cell::bent(), true);
   start(cell, 0.2);
   EXPECT_EQ(cell.state.tau[1], 3);
 }
