@@ -39,6 +39,9 @@ NOT_RUN = {
     "palpate-record --seconds 100 run": "needs an arm that moves; process.calibrate.program records one",
     "palpate-calibrate wrist run.": "needs that recording; process.calibrate.program has one",
     "palpated --config wrist.yaml": "needs its result; process.calibrate.program runs it",
+    "palpate-record --seconds 90 run": "needs an arm that moves; unit.tools_calibrate.friction has its recording",
+    "palpate-calibrate friction run.": "needs that recording; process.calibrate.program runs it on one",
+    "palpated --config friction.yaml": "needs its result",
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that keep running, and their output when ready.
