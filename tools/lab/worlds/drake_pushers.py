@@ -50,7 +50,7 @@ class Pushers:
         `hand`: its link at whose origin they press."""
         self._plant, self._pushes = plant, pushes
         self._hand = plant.GetBodyByName(hand)
-        self.noted: dict[str, list[Any]] = {"utime": [], "force": [], "rotation": []}
+        self.noted: dict[str, list[Any]] = {"time": [], "utime": [], "force": [], "rotation": []}
         place = still.EvalBodyPoseInWorld(still.CreateDefaultContext(), still.GetBodyByName(hand))
         self._add_ball(self._hand, HAND_RADIUS)
         self._instance = plant.AddModelInstance("pushers")
@@ -86,8 +86,8 @@ class Pushers:
         builder.Connect(forces.get_output_port(), drive)
 
     def note(self, root: Context) -> EventStatus:
-        """Keeps the sum of the contact forces on the hand, N in W, with the wall clock, us, and the
-        hand's rotation."""
+        """Keeps the sum of the contact forces on the hand, N in W, with simulated time, s, the wall
+        clock, us, and the hand's rotation."""
         context = self._plant.GetMyContextFromRoot(root)
         results = self._plant.get_contact_results_output_port().Eval(context)
         total = np.zeros(3)
@@ -96,6 +96,7 @@ class Pushers:
             sign = 1 if pair.bodyB_index() == self._hand.index() else -1
             total += sign * pair.contact_force()
         rotation = self._plant.EvalBodyPoseInWorld(context, self._hand).rotation().matrix()
+        self.noted["time"].append(root.get_time())
         self.noted["utime"].append(round(1e6 * time.time()))
         self.noted["force"].append(total.tolist())
         self.noted["rotation"].append(rotation.tolist())
