@@ -181,10 +181,10 @@ int main(int argc, char** argv) {
       "  palpate-command replace control --set provider=kinematic\n"
       "  palpate-command touch --direction 0 0 -1 --force 0.2");
   add_events(app, options);
-  if (const auto code =
-          palpate::config::parse(app, argc, argv,
-                                 {{{1, "refused, no answer, no contact, or an error"}},
-                                  {{"--housekeeping", "--url", "housekeeping="}}}))
+  if (const auto code = palpate::config::parse(
+          app, argc, argv,
+          {{{1, "refused, no answer, no contact, or an error"}, {78, "wrong configuration"}},
+           {{"--housekeeping", "--url", "housekeeping="}}}))
     return *code;
   if (make_key->empty() && app.get_subcommands().empty())
     return palpate::config::usage_error(app, "a command is required");
