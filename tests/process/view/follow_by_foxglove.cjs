@@ -1,15 +1,20 @@
 // What Foxglove's own client of its WebSocket protocol receives from a server, as JSON: channels with
-// their numbers of messages, and problems, among them messages that contradict their schemas. Ends
-// with 77 where the client is not installed (NODE_PATH names the folder node_modules).
+// their numbers of messages, and problems, among them messages that contradict their schemas. Reads
+// for SECONDS after each TOPIC has had a message, for which it waits a minute. Ends with 77 where the
+// client is not installed (NODE_PATH names the folder node_modules).
 //
-// usage: follow_by_foxglove.cjs URL SECONDS
+// usage: follow_by_foxglove.cjs URL SECONDS TOPIC...
 const {load, checksOf} = require('../../support/foxglove/readers.cjs');
 
 const {FoxgloveClient, WebSocket} = load('@foxglove/ws-protocol', 'ws');
 
-function main([url, seconds]) {
-  const problems = [], channels = {}, subscribed = {};
+function main([url, seconds, ...topics]) {
+  const problems = [], channels = {}, subscribed = {}, missing = new Set(topics);
   let server = null;
+  const finish = () => {
+    console.log(JSON.stringify({server, problems, channels}));
+    process.exit(0);
+  };
   const client = new FoxgloveClient({ws: new WebSocket(url, [FoxgloveClient.SUPPORTED_SUBPROTOCOL])});
   client.on('serverInfo', (info) => { server = info.name; });
   client.on('error', (error) => problems.push(String(error.message || error)));
@@ -31,11 +36,9 @@ function main([url, seconds]) {
     ++channels[topic].messages;
     channels[topic].age = Date.now() / 1000 - Number(timestamp) / 1e9;
     if (topic === 'FT_WRENCH') channels[topic].last = message;
+    if (missing.delete(topic) && missing.size === 0) setTimeout(finish, 1000 * seconds);
   });
-  setTimeout(() => {
-    console.log(JSON.stringify({server, problems, channels}));
-    process.exit(0);
-  }, 1000 * seconds);
+  setTimeout(finish, 60000);
 }
 
 main(process.argv.slice(2));
