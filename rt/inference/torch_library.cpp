@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "core/math/blas.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/inference/torch_functions.hpp"
 
@@ -20,6 +21,9 @@ const TorchFunctions& functions() {
     using Entry = decltype(&palpate_torch_functions);
     const auto entry = reinterpret_cast<Entry>(dlsym(library, "palpate_torch_functions"));
     if (entry == nullptr) throw ModelError(path.string() + ": is not palpate's");
+    // Each model has a thread, and the factors have theirs.
+    const math::Blas blas = math::hold_blas_to_one_thread(library);
+    if (!blas.is_thread_safe) throw ModelError(math::problem_of(blas));
     return entry();
   }();
   return *kFunctions;

@@ -5,6 +5,7 @@
 #include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "core/elasticity/comparison/thesis2018.hpp"
 #include "core/elasticity/corotational_model.hpp"
+#include "core/math/blas.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/spin_team.hpp"
 #include "rt/registry/slot.hpp"
@@ -12,7 +13,6 @@
 #ifdef PALPATE_SUITESPARSE
 #include "core/factor/cholmod/cholmod_factor.hpp"
 #include "core/factor/cholmod/cholmod_orders.hpp"
-#include "core/factor/cholmod/one_thread.hpp"
 #endif
 
 namespace palpate::registry {
@@ -35,17 +35,11 @@ constexpr factor::FactorMaker kDefaultFactor = factor::make_cholmod_factor;
 const std::vector<std::pair<std::string, factor::FactorMaker>> kFactors{
     {"cholmod", factor::make_cholmod_factor}, {"own", factor::make_own_factor}};
 
-/// Adds what else CHOLMOD contributes. The threads of a parallel BLAS would take the processors of
-/// the loop.
+/// Adds what else CHOLMOD contributes, whose BLAS is called from the threads of the background.
 void complete_factor(const config::Node& node, elasticity::SolverOptions& options) {
   if (options.make_factor != factor::make_cholmod_factor) return;
-  const factor::Blas blas = factor::loaded_blas();
-  if (blas.threads > 1)
-    node.fail("factor",
-              "cholmod needs a BLAS with one thread; " + blas.file + " uses " +
-                  std::to_string(blas.threads) +
-                  ". Select that of the package libopenblas0-serial by update-alternatives, or "
-                  "allowed: own");
+  const std::string problem = math::problem_of(math::hold_blas_to_one_thread());
+  if (!problem.empty()) node.fail("factor", problem + ", or allowed: own");
   options.orders = factor::cholmod_orders;
 }
 #else

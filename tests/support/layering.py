@@ -29,7 +29,7 @@ ALLOWED = {
     "rt/bus": "rt/loop",
     "rt/client": "rt/bus",
     "rt/config": "core/math core/mesh rt/bus",
-    "rt/inference": "core/sensing rt/loop rt/config",
+    "rt/inference": "core/math core/sensing rt/loop rt/config",
     "rt/plugin": "core/mesh core/sensing core/contact core/estimation core/control rt/loop rt/config",
     "rt/registry": "core/math core/mesh core/collision core/factor core/elasticity core/sensing core/contact core/estimation core/frames "
                    "core/shape core/kinematics core/control rt/loop rt/config rt/inference rt/plugin",

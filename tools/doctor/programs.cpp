@@ -67,15 +67,20 @@ Finding check_spy(const Machine& machine, const std::string& spy_jar) {
 /// The BLAS by which CHOLMOD factors in the background.
 Finding check_blas(const Machine& machine) {
 #ifdef PALPATE_SUITESPARSE
-  constexpr const char* kInstall = "sudo apt-get install libopenblas0-serial";
+  constexpr const char* kInstall = "sudo apt-get install libopenblas0-pthread";
   for (const std::string folder : {"usr/lib/x86_64-linux-gnu", "usr/lib/aarch64-linux-gnu"}) {
     const std::optional<std::string> file = machine.resolve(folder + "/libblas.so.3");
     if (!file) continue;
     const std::string found = "/" + *file;
-    if (file->find("openblas-serial") != std::string::npos) return ok("blas", found);
+    if (file->find("openblas-pthread") != std::string::npos) return ok("blas", found);
     const std::string select = std::string(kInstall) +
                                "\nsudo update-alternatives --set libblas.so.3-" + folder.substr(8) +
-                               " /" + folder + "/openblas-serial/libblas.so.3";
+                               " /" + folder + "/openblas-pthread/libblas.so.3";
+    if (file->find("openblas-serial") != std::string::npos)
+      return fail("blas", found,
+                  "products are wrong now and then if two threads use it: palpated does not start "
+                  "unless deformation.factor is own",
+                  select);
     for (const char* parallel : {"pthread", "openmp"}) {
       if (file->find(parallel) != std::string::npos)
         return fail("blas", found,

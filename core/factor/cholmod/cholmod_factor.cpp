@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <new>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "core/factor/cholmod/one_thread.hpp"
+#include "core/math/blas.hpp"
 
 namespace palpate::factor {
 namespace {
@@ -47,6 +49,8 @@ struct CholmodFactor::Parts {
 
 CholmodFactor::CholmodFactor(const Supernodes& nodes)
     : SupernodalFactor(nodes), parts_(std::make_unique<Parts>()) {
+  const std::string problem = math::problem_of(math::hold_blas_to_one_thread());
+  if (!problem.empty()) throw std::runtime_error(problem);
   lay_out_matrix();
   lay_out_factor();
 }

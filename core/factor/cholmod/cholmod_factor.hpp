@@ -16,7 +16,7 @@ namespace palpate::factor {
 class CholmodFactor final : public SupernodalFactor {
  public:
   /// `supernodes` must outlive the factor. Throws std::bad_alloc, and std::runtime_error if CHOLMOD
-  /// cannot be started.
+  /// cannot be started or its BLAS must not be used by several threads.
   explicit CholmodFactor(const Supernodes& supernodes);
   explicit CholmodFactor(Supernodes&&) = delete;
   ~CholmodFactor() override;

@@ -36,24 +36,4 @@ OneThread::~OneThread() {
   if (levels.get != nullptr && levels.set != nullptr) levels.set(levels_);
 }
 
-Blas loaded_blas() {
-  Blas blas;
-  Dl_info found{};
-  void* const product = dlsym(RTLD_DEFAULT, "dgemm_");
-  if (product == nullptr || dladdr(product, &found) == 0) return blas;
-  blas.file = found.dli_fname;
-  // Several instances of OpenBLAS may be loaded: that of the product is asked.
-  void* const library = dlopen(found.dli_fname, RTLD_LAZY | RTLD_NOLOAD);
-  if (library == nullptr) return blas;
-  for (const char* name :
-       {"openblas_get_num_threads", "bli_thread_get_num_threads", "MKL_Get_Max_Threads"}) {
-    if (const auto threads = loaded_function<int()>(library, name)) {
-      blas.threads = threads() > 1 ? threads() : 1;  // BLIS: -1 unless set
-      break;
-    }
-  }
-  dlclose(library);
-  return blas;
-}
-
 }  // namespace palpate::factor

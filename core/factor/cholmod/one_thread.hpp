@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 namespace palpate::factor {
 
 /// During the lifetime of this object parallel regions of OpenMP that the calling thread enters are
@@ -17,12 +15,5 @@ class OneThread {
  private:
   int levels_ = 0;  // of nested parallel regions that were allowed before
 };
-
-/// The BLAS that this process has loaded.
-struct Blas {
-  std::string file;  // path of the shared library; empty if there is none
-  int threads = 1;   // that it uses; those of OpenBLAS exist from the start of the process
-};
-Blas loaded_blas();
 
 }  // namespace palpate::factor

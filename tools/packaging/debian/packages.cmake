@@ -45,11 +45,11 @@ function(palpate_package component package section summary depends)
   install(SCRIPT debian/install_documents.cmake COMPONENT ${component})
 endfunction()
 
-# CHOLMOD needs a BLAS of one thread.
+# CHOLMOD and libtorch need a BLAS with locks.
 set(blas "")
 set(cholmod "")
 if(PALPATE_SUITESPARSE)
-  set(blas "libopenblas0-serial")
+  set(blas "libopenblas0-pthread")
   set(cholmod ", libsuitesparse-dev")
 endif()
 palpate_package(daemon palpate misc "daemon that feels and steers the shape of soft objects" "${blas}"

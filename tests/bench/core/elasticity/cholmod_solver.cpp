@@ -1,25 +1,13 @@
 #include "tests/bench/core/elasticity/cholmod_solver.hpp"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 
 #include <stdexcept>
 
 #include "core/factor/cholmod/one_thread.hpp"
+#include "core/math/blas.hpp"
 
 namespace palpate::bench {
-namespace {
-
-/// The BLAS below CHOLMOD has threads of its own; of several instances of OpenBLAS the relevant one
-/// is that loaded as libblas, which must be looked up by name.
-void keep_blas_to_one_thread() {
-  using SetThreads = void (*)(int);
-  static const auto set_threads =
-      reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-  if (set_threads != nullptr) set_threads(1);
-}
-
-}  // namespace
 
 struct CholmodSolver::Parts {
   cholmod_common common{};
@@ -103,7 +91,7 @@ CholmodSolver::~CholmodSolver() = default;
 
 bool CholmodSolver::factorise(const BlockRows& A) {
   const factor::OneThread one_thread;
-  keep_blas_to_one_thread();
+  math::hold_blas_to_one_thread();
   auto* value = static_cast<double*>(parts_->matrix->x);
   for (int j = 0; j < A.size(); ++j) {
     for (int c = 0; c < 3; ++c) {

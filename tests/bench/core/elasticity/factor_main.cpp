@@ -4,7 +4,7 @@
 
 #include "core/elasticity/incremental/refactor_job.hpp"
 #include "core/factor/cholmod/cholmod_factor.hpp"
-#include "core/factor/cholmod/one_thread.hpp"
+#include "core/math/blas.hpp"
 #include "rt/config/command_line.hpp"
 #include "tests/bench/core/elasticity/factor_choice.hpp"
 #include "tests/bench/core/elasticity/samples.hpp"
@@ -112,7 +112,7 @@ void print(const char* name, const Subject& subject) {
 }
 
 int run(int repetitions, factor::PanelPrecision panels) {
-  const factor::Blas blas = factor::loaded_blas();
+  const math::Blas blas = math::hold_blas_to_one_thread();
   std::printf("BLAS %s, %d thread; medians of %d, thread time in ms\n", blas.file.c_str(),
               blas.threads, repetitions);
   for (const BarMesh& mesh :

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
+#include <thread>
+#include <vector>
 
-#include "core/factor/cholmod/one_thread.hpp"
 #include "core/factor/solve_panels.hpp"
+#include "core/math/blas.hpp"
 #include "tests/unit/core/factor/block_systems.hpp"
 
 namespace palpate::factor {
@@ -152,8 +155,39 @@ TEST(CholmodFactor, OpensNoThread) {
   CholmodFactor factor(nodes);
   ASSERT_TRUE(factor.factorise(system.matrix));
   EXPECT_TRUE(factor.is_cholmod());
-  EXPECT_EQ(threads_of_this_process(), 1) << "OpenMP, or the BLAS " << loaded_blas().file;
-  EXPECT_EQ(loaded_blas().threads, 1) << loaded_blas().file;
+  const math::Blas blas = math::hold_blas_to_one_thread();
+  EXPECT_EQ(threads_of_this_process(), 1) << "OpenMP, or the BLAS " << blas.file;
+  EXPECT_EQ(blas.threads, 1) << blas.file;
+}
+
+// With a BLAS without locks one factor in 30 to 90 is wrong here.
+TEST(CholmodFactor, SeveralThreadsFactorAtTheSameTime) {
+  constexpr int kThreads = 3, kFactors = 1'000;
+  const TwoHandedBar bar(ElementOrder::kLinear, {6, 3, 3});
+  BlockSystem system(bar.body.mesh, bar.middle, bar.ends);
+  system.add_stiffness(bar.set, bar.body.mesh.nodes);
+  const Supernodes nodes(system.pattern);
+  CholmodFactor reference(nodes);
+  ASSERT_TRUE(reference.factorise(system.matrix));
+  const auto solved_by = [&](const CholmodFactor& factor) {
+    Eigen::MatrixXd x = Eigen::VectorXd::LinSpaced(3 * system.pattern.size(), -1, 1);
+    factor.solve(x, kHeldSets.back());
+    return x;
+  };
+  const Eigen::MatrixXd expected = solved_by(reference);
+  std::array<int, kThreads> wrong{};
+  std::vector<std::thread> threads;
+  for (int& count : wrong) {
+    threads.emplace_back([&] {
+      CholmodFactor factor(nodes);
+      for (int k = 0; k < kFactors; ++k)
+        if (!factor.factorise(system.matrix) || !factor.is_cholmod() ||
+            solved_by(factor) != expected)
+          ++count;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const int count : wrong) EXPECT_EQ(count, 0) << "of " << kFactors;
 }
 
 }  // namespace

@@ -33,10 +33,10 @@ class Tree : public testing::Test {
     put("proc/net/unix", "Num RefCount Protocol Flags Type St Inode Path\n");
     put("var/lib/dpkg/status",
         "Package: liblcm1\nStatus: install ok installed\nVersion: 1.3.1+repack1-3\n\n");
-    put(kBlas + "openblas-serial/libblas.so.3", "");
+    put(kBlas + "openblas-pthread/libblas.so.3", "");
     link(kBlas + "libblas.so.3", "/etc/alternatives/libblas.so.3-x86_64-linux-gnu");
     link("etc/alternatives/libblas.so.3-x86_64-linux-gnu",
-         "/" + kBlas + "openblas-serial/libblas.so.3");
+         "/" + kBlas + "openblas-pthread/libblas.so.3");
     put("usr/lib/jvm/java-17/bin/java", "");
     put("usr/lib/jvm/java-17/lib/libawt_xawt.so", "");
     put("usr/lib/jvm/java-17/release", "JAVA_VERSION=\"17.0.15\"\n");
