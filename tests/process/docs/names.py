@@ -99,8 +99,9 @@ class Tree:
             if path.suffix in SOURCES and path.stat().st_size < 1 << 20:
                 text = path.read_text(errors="replace")
                 self.words.update(re.findall(r"[A-Za-z_][A-Za-z0-9_]*", text))
-        cmake = (self.root / "tools/packaging/debian/packages.cmake").read_text()
+        cmake = (self.root / "tools/packaging/debian/control.cmake").read_text()
         self.packages = set(re.findall(r"palpate_package\(\w+ (\S+)", cmake)) | {"palpate-plugin"}
+        self.units = {path.stem for path in (self.root / "tools/packaging/system").glob("*.service")}
         self.keys, self.paths = self._configuration()
 
     def _configuration(self):
@@ -176,7 +177,8 @@ class Page:
             self.span(line, code)
         self.links()
         for word in set(re.findall(r"(?<![\w/.-])(palpated|palpate-[a-z][a-z-]*[a-z])(?![\w-]|\.\w)", text)):
-            self.need(1, word, self.is_program(word) or self.is_script(word) or word in tree.packages, "is no program")
+            known = self.is_program(word) or self.is_script(word) or word in tree.packages | tree.units
+            self.need(1, word, known, "is no program")
 
     def need(self, line, what, exists, complaint):
         self.checked += 1
