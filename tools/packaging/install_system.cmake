@@ -14,7 +14,8 @@ string(REPLACE "/etc/palpate/" "${settings}/palpate/" text "${text}")
 string(REPLACE "man:palpated(1)" "man:palpated(1) file:${CMAKE_INSTALL_PREFIX}/share/doc/palpate/own_robot.md" text
   "${text}")
 file(WRITE "${palpate_made}/palpated.service" "${text}")
-file(INSTALL "${palpate_made}/palpated.service" DESTINATION "${library}/systemd/system")
+file(INSTALL "${palpate_made}/palpated.service" "${palpate_system}/palpate-multicast.service"
+  DESTINATION "${library}/systemd/system")
 file(INSTALL "${palpate_system}/60-palpate.conf" DESTINATION "${CMAKE_INSTALL_PREFIX}/lib/sysctl.d")
 file(INSTALL "${palpate_system}/palpate.conf" DESTINATION "${settings}/security/limits.d")
 # An example to start from; an existing file is kept, since it has been edited.

@@ -29,7 +29,7 @@ palpate_package(daemon palpate misc "daemon that feels and steers the shape of s
   "palpated reads force-torque, joint and tactile sensors from LCM channels,"
   "estimates the shape of a soft object that a robot holds, and commands the"
   "arm until the shape is as wanted. palpate-command talks to it. Comes with"
-  "examples, a unit for systemd and real-time limits.")
+  "examples, units for systemd and real-time limits.")
 palpate_package(sim palpate-sim misc "simulator of arm, hand, sensors and soft object for palpated"
   "palpate ${same}, libosmesa6"
   "palpate-sim uses the same channels as a robot, so that palpated runs without"
@@ -56,6 +56,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
 # Loaded together with a model, so that no program is linked to it.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "python3-palpate, python3-scipy, python3-yaml, python3-pil, python3-jinja2, python3-matplotlib, rt-tests, stress-ng, liblcm-bin")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "python3-opencv, python3-open3d")
+set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS "iproute2")  # for palpate-multicast.service
 set(CPACK_DEBIAN_DAEMON_PACKAGE_SUGGESTS "palpate-tools, palpate-sim")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_LIST_DIR}/conffiles;${CMAKE_CURRENT_LIST_DIR}/postinst;${CMAKE_CURRENT_LIST_DIR}/postrm;${CMAKE_CURRENT_LIST_DIR}/prerm")
