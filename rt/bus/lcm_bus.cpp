@@ -13,6 +13,7 @@
 #include <ctime>
 #include <stdexcept>
 
+#include "rt/bus/fragments.hpp"
 #include "rt/bus/telemetry_publisher.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/real_time.hpp"
@@ -137,6 +138,12 @@ int UdpmSocket::receive(DatagramCounters& counters) noexcept {
   return static_cast<int>(size);
 }
 
+UdpmReceiver::UdpmReceiver(DatagramCounters& counters, int largest) : counters_(counters) {
+  if (largest != 0) fragments_ = std::make_unique<FragmentAssembler>(largest);
+}
+
+UdpmReceiver::~UdpmReceiver() { stop(); }
+
 Subscription& UdpmReceiver::subscribe(const std::string& channel, int encoded_size,
                                       std::int64_t fingerprint, int depth) {
   if (started()) throw std::logic_error("subscribe to " + channel + " before the bus is started");
@@ -216,13 +223,17 @@ bool UdpmReceiver::receive_one() noexcept {
   const int size = socket_.receive(counters_);
   if (size < 0) return false;
   arrival_ns_ = loop::monotonic_ns();
-  handle(socket_.data(), size, arrival_ns_);
+  handle(socket_.data(), size, arrival_ns_, socket_.sender());
   return true;
 }
 
-void UdpmReceiver::handle(const std::uint8_t* data, int size, std::int64_t arrival_ns) noexcept {
+void UdpmReceiver::handle(const std::uint8_t* data, int size, std::int64_t arrival_ns,
+                          std::uint64_t sender) noexcept {
   UdpmFrame frame{};
-  if (!parse_udpm_frame(data, size, counters_, frame)) return;
+  const bool is_message = fragments_ && FragmentAssembler::is_fragment(data, size)
+                              ? fragments_->take(data, size, sender, arrival_ns, counters_, frame)
+                              : parse_udpm_frame(data, size, counters_, frame);
+  if (!is_message) return;
   bool subscribed = false;
   for (const auto& subscription : subscriptions_) {
     if (subscription->channel() != frame.channel) continue;
@@ -263,8 +274,8 @@ const UdpmUrl& with_route(const UdpmUrl& url) {
 
 class LcmBus final : public MessageBus {
  public:
-  explicit LcmBus(const UdpmUrl& url)
-      : url_(with_route(url)), receiver_(datagrams_), sender_(url) {}
+  LcmBus(const UdpmUrl& url, int largest)
+      : url_(with_route(url)), receiver_(datagrams_, largest), sender_(url) {}
 
   Subscription& subscribe(const std::string& channel, int encoded_size, std::int64_t fingerprint,
                           int depth) override {
@@ -302,8 +313,10 @@ class LcmBus final : public MessageBus {
 
 }  // namespace
 
-std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url) {
-  return std::make_unique<LcmBus>(parse_udpm_url(url));
+std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url) { return make_lcm_bus(url, 0); }
+
+std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url, int largest) {
+  return std::make_unique<LcmBus>(parse_udpm_url(url), largest);
 }
 
 }  // namespace palpate::bus

@@ -71,13 +71,17 @@ class UdpmSocket {
   std::vector<std::uint8_t> buffer_;
 };
 
-/// Delivers LCM datagrams from the network to subscriptions. Accepts only short messages of
-/// subscribed channels with the exact size and fingerprint; everything else is counted and dropped.
-/// No datagram can cause an allocation, an exception, or a read outside the received data.
+class FragmentAssembler;
+
+/// Delivers LCM datagrams from the network to subscriptions. Accepts only messages of subscribed
+/// channels with the exact size and fingerprint; everything else is counted and dropped. No
+/// datagram can cause an allocation, an exception, or a read outside the received data.
 class UdpmReceiver {
  public:
-  explicit UdpmReceiver(DatagramCounters& counters) : counters_(counters) {}
-  ~UdpmReceiver() { stop(); }
+  /// `largest`: payload of messages whose fragments are joined, bytes (FragmentAssembler, whose
+  /// memory is allocated here); 0: fragments are counted and dropped.
+  explicit UdpmReceiver(DatagramCounters& counters, int largest = 0);
+  ~UdpmReceiver();
   UdpmReceiver(const UdpmReceiver&) = delete;
   UdpmReceiver& operator=(const UdpmReceiver&) = delete;
 
@@ -101,8 +105,9 @@ class UdpmReceiver {
   /// start().
   int receive_buffer_size() const noexcept { return socket_.receive_buffer_size(); }
 
-  /// Processes one datagram of `size` bytes; called by the thread.
-  void handle(const std::uint8_t* data, int size, std::int64_t arrival_ns) noexcept;
+  /// Processes one datagram of `size` bytes; called by the thread. `sender`: its address.
+  void handle(const std::uint8_t* data, int size, std::int64_t arrival_ns,
+              std::uint64_t sender = 0) noexcept;
 
  private:
   void receive_until_stopped() noexcept;
@@ -111,6 +116,7 @@ class UdpmReceiver {
   void rest_if_flooded() noexcept;
 
   DatagramCounters& counters_;
+  std::unique_ptr<FragmentAssembler> fragments_;  // nullptr: none are joined
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   UdpmSocket socket_;
   int wake_ = -1;  // event that ends the thread
@@ -120,5 +126,9 @@ class UdpmReceiver {
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };
+
+/// As make_lcm_bus(url), and messages of several fragments with a payload of up to `largest` bytes
+/// are received as well; 0: none. Throws as that does.
+std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url, int largest);
 
 }  // namespace palpate::bus

@@ -160,21 +160,15 @@ void Listener::handle(int source, const std::uint8_t* data, int size, std::uint6
   Group& group = *groups_[static_cast<std::size_t>(source)];
   bus::DatagramCounters& counters = group.counters;
   bus::UdpmFrame frame{};
-  if (group.fragments && bus::FragmentAssembler::is_fragment(data, size)) {
-    using Outcome = bus::FragmentAssembler::Outcome;
-    counters.received.fetch_add(1, std::memory_order_relaxed);
-    const Outcome outcome = group.fragments->take(data, size, sender);
-    if (outcome == Outcome::kDropped) counters.fragmented.fetch_add(1, std::memory_order_relaxed);
-    if (outcome != Outcome::kWhole) return;
-    frame = group.fragments->message();
-  } else if (!bus::parse_udpm_frame(data, size, counters, frame)) {
-    return;
-  }
+  const std::int64_t now = loop::monotonic_ns();
+  const bool is_message = group.fragments && bus::FragmentAssembler::is_fragment(data, size)
+                              ? group.fragments->take(data, size, sender, now, counters, frame)
+                              : bus::parse_udpm_frame(data, size, counters, frame);
+  if (!is_message) return;
   if (!is_printable(frame.channel)) {
     counters.malformed.fetch_add(1, std::memory_order_relaxed);
     return;
   }
-  const std::int64_t now = loop::monotonic_ns();
   handler_({source, wall_us_ + (now - monotonic_ns_) / 1000, now, frame.channel, frame.payload,
             frame.payload_size});
 }

@@ -177,6 +177,32 @@ TEST(LcmBus, LargestMessageOfOneDatagramArrivesWholeAndALargerOneIsRefused) {
   EXPECT_FALSE(bus->publish("SHAPE", data.data(), 70'000));
 }
 
+TEST(LcmBus, ReceivesInFragmentsWhatItsBoundAllows) {
+  const UdpmUrl url = private_url();
+  PALPATE_REQUIRE_MULTICAST(url);
+  constexpr int kSize = 50'000, kAppleFragment = 1423;  // bytes; of LCM on macOS
+  std::vector<std::uint8_t> data(kSize);
+  for (std::size_t i = 8; i < data.size(); ++i) data[i] = static_cast<std::uint8_t>(i * 31);
+  const auto joins = make_lcm_bus(url.text(), kSize);
+  const auto refuses = make_lcm_bus(url.text(), kSize - 1);
+  Subscription& subscription = joins->subscribe("CLOUD", kSize, 0, 2);
+  Subscription& none = refuses->subscribe("CLOUD", kSize, 0, 2);
+  joins->start();
+  refuses->start();
+  Injector injector(url);
+  const auto parts = wire::in_parts("CLOUD", 3, data, kAppleFragment);
+  for (const auto& part : parts) ASSERT_TRUE(injector.send(part.data(), part.size()));
+  ASSERT_TRUE(eventually([&] { return subscription.counters().received == 1; }));
+  std::vector<std::uint8_t> buffer(kSize);
+  std::int64_t arrival_ns = 0;
+  ASSERT_TRUE(wire::take(subscription, buffer.data(), arrival_ns));
+  EXPECT_EQ(buffer, data);
+  EXPECT_EQ(joins->datagrams().fragmented, 0);
+  const auto count = static_cast<std::int64_t>(parts.size());
+  EXPECT_TRUE(eventually([&] { return refuses->datagrams().fragmented == count; }));
+  EXPECT_EQ(none.counters().received, 0);
+}
+
 TEST(LcmBus, SurvivesAnInjectorOfMalformedPacketsAndStillHearsTheGoodOnes) {
   const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);

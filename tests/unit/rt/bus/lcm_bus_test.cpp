@@ -153,6 +153,79 @@ TEST_F(UdpmReceiverTest, SurvivesRandomAndMutatedDatagramsAndAccountsForEach) {
   EXPECT_GT(seen().received, 1000);
 }
 
+class JoiningReceiver : public ::testing::Test {
+ protected:
+  static constexpr int kLargest = 1000;
+
+  void hand(const std::vector<Bytes>& datagrams, std::uint64_t sender = 1) {
+    for (const Bytes& data : datagrams)
+      receiver_.handle(data.data(), static_cast<int>(data.size()), 42, sender);
+  }
+  std::vector<Bytes> fragments(const std::string& channel, const Bytes& payload) {
+    return wire::in_parts(channel, ++sequence_, payload, 30);
+  }
+
+  const Bytes good_ = wire::encoded(ft_wrench_t{});
+  std::uint32_t sequence_ = 0;
+  DatagramCounters counters_;
+  UdpmReceiver receiver_{counters_, kLargest};
+  Subscription& wrench_ =
+      receiver_.subscribe("FT_WRENCH", static_cast<int>(good_.size()), ft_wrench_t::getHash(), 8);
+};
+
+TEST_F(JoiningReceiver, PassesMessagesOfSeveralFragmentsOnAndChecksThemLikeOthers) {
+  const auto parts = fragments("FT_WRENCH", good_);
+  ASSERT_GT(parts.size(), 2u);
+  hand(parts);
+  hand({wire::datagram("FT_WRENCH", good_)});
+  Bytes buffer(good_.size());
+  std::int64_t arrival_ns = 0;
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(wire::take(wrench_, buffer.data(), arrival_ns));
+    EXPECT_EQ(buffer, good_);
+    EXPECT_EQ(arrival_ns, 42);
+  }
+  EXPECT_EQ(counters_.received, static_cast<std::int64_t>(parts.size()) + 1);
+  EXPECT_EQ(counters_.malformed + counters_.fragmented + counters_.unsubscribed, 0);
+
+  hand(fragments("IMU", good_));
+  EXPECT_EQ(counters_.unsubscribed, 1);
+  Bytes other = good_;
+  other.resize(kLargest);
+  hand(fragments("FT_WRENCH", other));
+  EXPECT_EQ(wrench_.counters().wrong_size, 1);
+  other[3] ^= 0xff;
+  hand(fragments("FT_WRENCH", other));
+  EXPECT_EQ(wrench_.counters().wrong_type, 1);
+  EXPECT_EQ(counters_.fragmented, 0);
+  other.resize(kLargest + 1);
+  const auto too_large = fragments("FT_WRENCH", other);
+  hand(too_large);
+  EXPECT_EQ(counters_.fragmented, static_cast<std::int64_t>(too_large.size()));
+  EXPECT_FALSE(wire::take(wrench_, buffer.data(), arrival_ns));
+}
+
+TEST_F(JoiningReceiver, SurvivesMutatedFragmentsAndNeverAllocates) {
+  std::mt19937 random(21);
+  std::vector<Bytes> datagrams;
+  for (int i = 0; i < 20'000; ++i) {
+    for (Bytes& data : fragments("FT_WRENCH", good_)) {
+      if (random() % 4 == 0) data[random() % data.size()] = static_cast<std::uint8_t>(random());
+      if (random() % 16 == 0) data.resize(random() % data.size());
+      data.shrink_to_fit();
+      if (random() % 16 > 0) datagrams.push_back(std::move(data));
+    }
+  }
+  const loop::NoAllocationScope scope;
+  hand(datagrams);
+  EXPECT_EQ(scope.count(), 0);
+  EXPECT_EQ(counters_.received, static_cast<std::int64_t>(datagrams.size()));
+  EXPECT_GT(counters_.fragmented, 1000);
+  EXPECT_GT(counters_.malformed, 1000) << "cut before or within the magic number";
+  EXPECT_GT(wrench_.counters().received, 1000);
+  EXPECT_LT(wrench_.counters().received, 20'000);
+}
+
 TEST_F(UdpmReceiverTest, NeverAllocates) {
   const Bytes good = wire::datagram("FT_WRENCH", good_);
   const Bytes stranger = wire::datagram("IMU", good_);
