@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "rt/bus/instance_lock.hpp"
-#include "rt/bus/message_bus.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/plugin_watchdog.hpp"
@@ -280,7 +280,7 @@ int run(const Options& options, const sigset_t& signals) {
   namespace bus = palpate::bus;
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
-  const auto control = bus::make_lcm_bus(settings.control_url);
+  const auto control = bus::make_lcm_bus(settings.control_url, settings.largest_message);
   const auto housekeeping = bus::make_lcm_bus(settings.housekeeping_url);
   const std::int64_t session = bus::random_session();
   Daemon daemon(root, *control, *housekeeping,

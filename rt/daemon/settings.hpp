@@ -27,6 +27,7 @@ struct Settings {
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
   bus::ChannelNames channels;   // on both URLs
+  int largest_message = 65000;  // bytes, of several fragments; 0: fragments are dropped
   std::optional<bus::Key> key;  // key of incoming and outgoing commands; empty: no authentication
   int shape_every = 10;         // cycles between two SHAPE messages
   int refactor_delay = 5;  // deterministic mode: cycles between requesting and installing a factor

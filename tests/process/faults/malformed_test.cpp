@@ -1,6 +1,8 @@
 // Invalid packets sent to a daemon in closed loop.
 
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/process/faults/fault_process.hpp"
+#include "tests/unit/rt/bus/messages.hpp"
 #include "tools/lab/inject/packets.hpp"
 
 namespace palpate {
@@ -15,6 +17,35 @@ class Malformed : public FaultProcess {
                                       "--rate",     std::to_string(rate)};
     words.insert(words.end(), more.begin(), more.end());
     return words;
+  }
+
+  struct Answer {
+    bool any = false;
+    std::int64_t dropped = 0;  // fragments
+  };
+  /// Answer of a daemon with that setting, within `seconds`, to a command in fragments as LCM on
+  /// macOS sends it.
+  Answer answer_to_fragments(const std::string& setting, double seconds) {
+    ChildProcess daemon(patient_command({"--set", setting}));
+    health_t before{};
+    EXPECT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, before))
+        << daemon.output();
+    component_command_t command{};
+    command.session = 43;
+    command.counter = ++counter_;
+    bus::put_text(command.slot, "all");
+    bus::put_text(command.event, "zero");
+    bus::wire::Injector injector(bus::parse_udpm_url(control_url_));
+    constexpr int kAppleFragment = 1423;  // bytes
+    const auto parts =
+        bus::wire::in_parts("COMPONENT_COMMAND", 1, bus::wire::encoded(command), kAppleFragment);
+    EXPECT_EQ(parts.size(), 2u);
+    for (const auto& part : parts) EXPECT_TRUE(injector.send(part.data(), part.size()));
+    component_event_t event{};
+    Answer answer;
+    answer.any = wait_event("zero", seconds, event);
+    answer.dropped = health_now().fragmented - before.fragmented;
+    return answer;
   }
 };
 
@@ -125,6 +156,18 @@ TEST_F(Malformed, AnotherTypeIsRefusedByName) {
   std::printf("reported after %.1f ms; %d more for 500 in %.2f s\n", 1e3 * first, reports,
               seconds_since(began));
   EXPECT_LE(reports, static_cast<int>(seconds_since(began)));
+}
+
+TEST_F(Malformed, FragmentsOfACommandAreJoined) {
+  const Answer answer = answer_to_fragments("bus.largest_message=4000", 10);
+  EXPECT_TRUE(answer.any);
+  EXPECT_EQ(answer.dropped, 0);
+}
+
+TEST_F(Malformed, FragmentsOfACommandBeyondTheBoundAreCounted) {
+  const Answer answer = answer_to_fragments("bus.largest_message=2000", 0.5);
+  EXPECT_FALSE(answer.any);
+  EXPECT_EQ(answer.dropped, 2);
 }
 
 /// The same packets sent to a program that receives through liblcm, kind by kind: how it
