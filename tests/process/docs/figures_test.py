@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails where a figure of README.md or docs/results.md differs from the stored result that it cites,
+"""Fails where a figure of README.md, docs/results.md or docs/robots differs from the stored result that it cites,
 where a table has figures that cite none, and where a result is stored or declared in vain.
 
 usage: figures_test.py ROOT

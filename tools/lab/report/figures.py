@@ -19,7 +19,7 @@ import yaml
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 DECLARED = "tools/lab/report/figures.yaml"
 STORED = "docs/data/figures.json"
-PAGES = ("README.md", "docs/results.md")
+PAGES = ("README.md", "docs/results.md", "docs/robots/joint_torques.md")
 ALWAYS = ("core", "rt", "sim")  # inputs of every result, besides its own
 SENTENCE = re.compile(r"(-?\d[\d,.]*)([^<|\n]*)(<!-- = (\w+)\.(\w+):(\S+?)( (?!-->)[^\n]*?)? -->)")
 ESCAPED = "\\|"  # in a cell of a table

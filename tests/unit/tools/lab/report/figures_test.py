@@ -119,7 +119,7 @@ class Staleness(Tree):
 class Measuring(Tree):
     def setUp(self):
         super().setUp()
-        for name in ("docs/data", "tools/lab/report"):
+        for name in ("docs/data", "docs/robots", "tools/lab/report"):
             (self.root / name).mkdir(parents=True)
         self.declared = {
             "said": {"command": "A=7 sh -c 'echo took $A mm'", "read": {"mm": r"took (\S+) mm"}, "quick": True,
