@@ -94,5 +94,24 @@ class SourcePackage(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
 
+class Tries(unittest.TestCase):
+    """The programs that try an installation say what they lack before they begin."""
+
+    def test_without_packages_they_end(self):
+        with tempfile.TemporaryDirectory() as empty:
+            for name in ("try_packages", "try_service"):
+                done = run([SOURCE / "tools/packaging" / name, empty])
+                expected = {1: f"error: no packages in {empty}", 77: "cannot be tried"}
+                self.assertIn(done.returncode, expected, name)
+                self.assertIn(expected[done.returncode], done.stderr, name)
+                self.assertEqual(list(pathlib.Path(empty).iterdir()), [], name)
+
+    def test_the_container_has_packages_that_exist(self):
+        text = (SOURCE / "tools/packaging/Containerfile").read_text()
+        copied = re.search(r"^COPY (.*) /tmp/packages/$", text, re.M).group(1).split()
+        named = re.findall(r"^palpate_package\(\w+ (\S+)", (SOURCE / "tools/packaging/debian/control.cmake").read_text(), re.M)
+        self.assertEqual(copied, [f"{name}_*.deb" for name in named if name != "palpate-dev"])
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)
