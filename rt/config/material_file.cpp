@@ -1,5 +1,9 @@
 #include "rt/config/material_file.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 namespace palpate::config {
 
 std::optional<MaterialFile> MaterialFile::read(const Node& object) {
@@ -24,6 +28,16 @@ Node MaterialFile::corotational() const {
                      " has no section corotational: its recordings do not "
                      "determine Young's modulus");
   return root_.child("corotational");
+}
+
+std::optional<double> MaterialFile::largest_strain() const {
+  const Node fit = root_.child_or_empty("corotational");
+  if (!fit.has("strain_range")) return std::nullopt;
+  const std::vector<double> range = fit.numbers(
+      {"strain_range", "", "Smallest and largest strain of the recordings"}, 2, {-1, 100});
+  const double largest = std::max(std::abs(range[0]), std::abs(range[1]));
+  if (largest > 0) return largest;
+  return std::nullopt;
 }
 
 double MaterialFile::constant(const Key& key, Range range, double otherwise) const {

@@ -20,6 +20,9 @@ class MaterialFile {
   /// Throws Error at `material_file` if the section is absent.
   Node corotational() const;
 
+  /// Largest magnitude of the strains of the recordings; empty if the file does not state it.
+  std::optional<double> largest_strain() const;
+
   /// The constant, or `otherwise` if the file does not contain it. Throws Error outside the range.
   double constant(const Key& key, Range range, double otherwise) const;
 

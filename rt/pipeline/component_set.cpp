@@ -79,7 +79,7 @@ void ComponentSet::build(const config::Node& root, const Changes& changes) {
     driver.leave_to_another("fallback");
     model = registry::make_deformation_model(mechanics, context);
     estimator = registry::make_estimator(driver, context);
-    jump = estimation::ShapeJump(model->body().mesh.nodes);
+    shape_watch = ShapeWatch(*object);
   }
   if (changes.steering) build_steering(root);
 }
@@ -234,7 +234,7 @@ void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
   if (!changes.mechanics) {
     model.swap(other.model);
     estimator.swap(other.estimator);
-    std::swap(jump, other.jump);
+    std::swap(shape_watch, other.shape_watch);
   } else if (estimation_condition.state == LifeCycle::kFaulted) {
     estimation_condition = {LifeCycle::kActive, ""};
   }
@@ -273,7 +273,7 @@ void ComponentSet::start() noexcept {
   estimation_condition = feature_condition = control_condition = {LifeCycle::kActive, ""};
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
   for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
-  jump.forget();
+  shape_watch.forget();
   on_discrepancy.reset();
   law->reset();
   provider->reset();
@@ -291,7 +291,7 @@ void ComponentSet::reset() noexcept {
   if (!model) return;
   estimator->reset();
   model->reset();
-  jump.forget();
+  shape_watch.forget();
   estimator->activate(*model);
   law->reset();
   provider->reset();
@@ -352,6 +352,7 @@ Condition ComponentSet::worst_of(const Condition& whole) const noexcept {
     consider(condition);
   }
   consider(estimation_condition);
+  consider(shape_watch.condition());
   consider(feature_condition);
   consider(control_condition);
   return worst;

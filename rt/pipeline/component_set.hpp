@@ -7,8 +7,8 @@
 
 #include "core/control/discrepancy_policy.hpp"
 #include "core/control/guarded_motion.hpp"
-#include "core/estimation/shape_jump.hpp"
 #include "rt/pipeline/life_cycle.hpp"
+#include "rt/pipeline/shape_watch.hpp"
 #include "rt/plugin/supervision.hpp"
 #include "rt/registry/fallbacks.hpp"
 #include "rt/registry/registry.hpp"
@@ -138,7 +138,7 @@ struct ComponentSet {
 
   std::vector<contact::ContactLoads> loads;  // by contact of the tick
   estimation::Estimate estimate;
-  estimation::ShapeJump jump;  // detects discontinuities of the model's shape
+  ShapeWatch shape_watch;
   Target target;
   FeatureState feature_state;
   Eigen::MatrixXd jacobian;

@@ -118,7 +118,7 @@ void Pipeline::estimate(double dt) noexcept {
       fall_back(fallbacks_->mechanics, "estimation", components.estimation_condition.reason))
     is_sound();
   ComponentSet& now = *components_;
-  const bool jumps = now.jump.update(now.model->positions(), dt);
+  const bool jumps = now.shape_watch.update(now.model->positions(), dt);
   now.estimate.jumped = jumps || now.estimate.step.restarted;
 }
 

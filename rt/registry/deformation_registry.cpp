@@ -37,8 +37,8 @@ const std::vector<std::pair<std::string, factor::FactorMaker>> kFactors{
 
 /// Adds what else CHOLMOD contributes, whose BLAS is called from the threads of the background.
 void complete_factor(const config::Node& node, elasticity::SolverOptions& options) {
-  if (options.make_factor != factor::make_cholmod_factor) return;
   const std::string problem = math::problem_of(math::hold_blas_to_one_thread());
+  if (options.make_factor != factor::make_cholmod_factor) return;
   if (!problem.empty()) node.fail("factor", problem + ", or allowed: own");
   options.orders = factor::cholmod_orders;
 }

@@ -154,9 +154,20 @@ const elasticity::NamedStretchLaw* read_law(const config::Node& material,
   return law;
 }
 
+std::optional<double> read_largest_strain(const config::Node& material,
+                                          const std::optional<config::MaterialFile>& file) {
+  const config::Key key(
+      "largest_strain", "",
+      "Principal strain, of either sign, up to which the law holds: beyond it the "
+      "daemon is degraded. Absent: that of the recordings of material_file, or "
+      "not checked");
+  if (material.has(key.name)) return material.number(key, {1e-3, 100});
+  return file ? file->largest_strain() : std::nullopt;
+}
+
 /// Section `material`, overridden by `material_file`, and section `damping`.
 void read_material(const config::Node& object, const mesh::MeshWithGroups& source,
-                   elasticity::Body& body) {
+                   elasticity::Body& body, std::optional<double>& largest_strain) {
   const config::Node node = config::material_section(object);
   const auto file = config::MaterialFile::read(object);
   const elasticity::NamedStretchLaw* law = read_law(node, file);
@@ -178,6 +189,7 @@ void read_material(const config::Node& object, const mesh::MeshWithGroups& sourc
           config::material_number(node, fitted, {name, "", description.c_str()}, {lower, upper}));
     body.law = law->make(constants);
   }
+  largest_strain = read_largest_strain(node, file);
   read_stiffness_regions(node, source, body);
   constexpr config::Range kMass{0, 1e4}, kStiffness{0, 10};
   elasticity::Damping& damping = body.damping;
@@ -217,7 +229,7 @@ Object read_object(const config::Node& root, const Frames& frames,
   check_size(node, "order", body.mesh.node_count());
   object.surface = mesh::extract_surface(body.mesh);
 
-  read_material(node, source, body);
+  read_material(node, source, body, object.largest_strain);
   body.fixed_nodes = read_part(node, "fixed", source, body.mesh, remarks);
   object.jaws = {read_jaws(node, "grasp_jaws"), read_jaws(node, "second_grasp_jaws")};
   if (has_part(node, "grasp")) body.grasps.push_back(read_grasp(node, source, object, "", remarks));

@@ -20,6 +20,7 @@ struct Object {
   std::int64_t hash = 0;
   MeshGroups groups;  // of the mesh file
   elasticity::Body body;
+  std::optional<double> largest_strain;  // principal, up to which the material's law holds
   mesh::Surface surface;
   std::vector<ConfiguredObstacle> obstacles;  // which it may meet, in O
   /// By hand: the space between its jaws, in G. None: the hand never opens.

@@ -33,7 +33,7 @@ ALLOWED = {
     "rt/plugin": "core/mesh core/sensing core/contact core/estimation core/control rt/loop rt/config",
     "rt/registry": "core/math core/mesh core/collision core/factor core/elasticity core/sensing core/contact core/estimation core/frames "
                    "core/shape core/kinematics core/control rt/loop rt/config rt/inference rt/plugin",
-    "rt/pipeline": "core/math core/mesh core/collision core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
+    "rt/pipeline": "core/math core/mesh core/collision core/elasticity core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
     "rt/daemon": "core/elasticity core/sensing core/estimation core/shape rt/loop rt/bus rt/config rt/plugin rt/registry rt/pipeline",
     # The plant must not share the estimator's model: no core/elasticity, no core/collision; of
     # sensing only the manufacturer's data of the sensor; of the loop its clock.

@@ -7,6 +7,7 @@
 #include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "core/elasticity/comparison/thesis2018.hpp"
 #include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/strain_scan.hpp"
 #include "core/factor/solve_panels.hpp"
 #include "rt/loop/sanitizer.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
@@ -95,6 +96,15 @@ void expect_no_allocation(DeformationModel& model) {
     model.reset();
     model.step(1e-3);
   });
+}
+
+TEST(Allocation, NoneInTheScanOfStrains) {
+  if (count_allocations([] {}) < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+  const Body body = make_bar({0.2, 0.05, 0.04}, {8, 2, 2}, mesh::ElementOrder::kQuadratic);
+  StrainScan scan(body);
+  const Eigen::Matrix3Xd x = 1.2 * body.mesh.nodes;
+  EXPECT_EQ(count_allocations([&] { scan.look(x); }), 0);
+  EXPECT_NEAR(scan.largest(), 0.2, 1e-9);
 }
 
 TEST(Allocation, NoneInFactorsAndTheirSolves) {

@@ -40,6 +40,26 @@ TEST(Pipeline, ShapeFollowsTheHand) {
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
 }
 
+TEST(Pipeline, StrainsBeyondThoseOfTheLawAreReportedWhileTheyLast) {
+  Pipeline pipeline(example({"sensing=[]", "object.material.largest_strain=0.1"}), 1e-3);
+  sensing::Signals signals = at_rest(pipeline);
+  pipeline.start();
+  run(pipeline, signals, 50);
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
+  const double at_first = signals.robot.latest.X_WE.translation().z();
+  for (const bool lifted : {true, false, true}) {
+    signals.robot.latest.X_WE.translation().z() = at_first + (lifted ? 0.15 : 0);
+    run(pipeline, signals, 500);
+    const Condition condition = pipeline.condition();
+    EXPECT_EQ(condition.state, lifted ? LifeCycle::kDegraded : LifeCycle::kActive);
+    EXPECT_EQ(std::string(condition.reason).find("largest_strain") != std::string::npos, lifted);
+  }
+  Pipeline unchecked(example({"sensing=[]"}), 1e-3);
+  unchecked.start();
+  run(unchecked, signals, 500);
+  EXPECT_EQ(unchecked.condition().state, LifeCycle::kActive);
+}
+
 /// Records its inputs, and does nothing.
 class Witness : public estimation::Estimator {
  public:

@@ -61,6 +61,17 @@ TEST_F(MaterialFileTest, GoesOverTheObjectsOwnMaterial) {
   EXPECT_EQ(bar("  material_file: fitted.yaml\n").body.material.density, 31);
 }
 
+TEST_F(MaterialFileTest, ItsStrainsAreTheLargestOfTheLawUnlessOneIsStated) {
+  write("fitted.yaml", fitted_);
+  const std::string file = "  material_file: fitted.yaml\n";
+  EXPECT_EQ(bar(file).largest_strain, 0.3);
+  EXPECT_EQ(bar(file + "  material: {largest_strain: 0.2}\n").largest_strain, 0.2);
+  EXPECT_NE(refusal(file + "  material: {largest_strain: 0}\n").find("largest_strain"),
+            std::string::npos);
+  EXPECT_FALSE(
+      bar("  material: {young_modulus: 1e5, poisson_ratio: 0.2, density: 26}\n").largest_strain);
+}
+
 TEST_F(MaterialFileTest, ItsLawIsTakenWithItsOwnModuliWhereTheModelIsNamed) {
   write("fitted.yaml", fitted_);
   const std::string file = "  material_file: fitted.yaml\n";

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/elasticity/strain_scan.hpp"
+#include "core/estimation/shape_jump.hpp"
+#include "rt/pipeline/life_cycle.hpp"
+#include "rt/registry/object.hpp"
+
+namespace palpate::pipeline {
+
+/// Watches the model's shape: for discontinuities, and for strains beyond those for which the law
+/// of the material holds, where the configuration or a fit states them. Nothing allocates after
+/// construction.
+class ShapeWatch {
+ public:
+  ShapeWatch() = default;  // of no object
+  explicit ShapeWatch(const registry::Object& object);
+
+  /// Once per tick, at the model's positions. True if the shape has jumped.
+  bool update(const Eigen::Matrix3Xd& positions, double dt) noexcept;
+  /// Degraded while there is such a strain; that ends below 0.9 of the limit.
+  const Condition& condition() const noexcept { return condition_; }
+  /// Forgets what was seen: the shape may change.
+  void forget() noexcept;
+
+ private:
+  estimation::ShapeJump jump_;
+  double largest_strain_ = 0;
+  std::optional<elasticity::StrainScan> scan_;
+  Condition condition_;
+};
+
+}  // namespace palpate::pipeline
