@@ -33,8 +33,7 @@ Node MaterialFile::corotational() const {
 std::optional<double> MaterialFile::largest_strain() const {
   const Node fit = root_.child_or_empty("corotational");
   if (!fit.has("strain_range")) return std::nullopt;
-  const std::vector<double> range = fit.numbers(
-      {"strain_range", "", "Smallest and largest strain of the recordings"}, 2, {-1, 100});
+  const std::vector<double> range = fit.numbers("strain_range", 2, {-1, 100});
   const double largest = std::max(std::abs(range[0]), std::abs(range[1]));
   if (largest > 0) return largest;
   return std::nullopt;

@@ -26,7 +26,7 @@ GETTER = re.compile(
     r"|(?:read_quantity|optional_quantity|read_time|read_selection|read_markers|is_free)\(\s*\w+,)"
     r"\s*\{?\s*\"([A-Za-z0-9_]+)\"")
 # Keys of files that programs write for each other, not of configurations.
-OF_OTHER_FILES = {"model", "corotational", "position", "quaternion", "rpy_deg", "units", "hidden"}
+OF_OTHER_FILES = {"model", "corotational", "strain_range", "position", "quaternion", "rpy_deg", "units", "hidden"}
 # Requested manually: they name a library built by the user (tools/examples).
 OF_LIBRARIES = {"plugins", "library"}
 
