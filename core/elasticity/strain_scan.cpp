@@ -50,18 +50,17 @@ void StrainScan::look(const Eigen::Matrix3Xd& x) noexcept {
   if (x.cols() != node_count_) return;
   const int count = static_cast<int>(elements_.cols());
   for (int k = 0; k < std::min(kLook, count); ++k) {
-    const double strain = strain_of(x, next_);
-    if (strain > now_.strain) now_ = {strain, next_};
+    now_ = std::max(now_, strain_of(x, next_));  // one that is not a number is left out
     if (++next_ < count) continue;
     next_ = 0;
     last_ = now_;
-    now_ = {};
+    now_ = 0;
   }
 }
 
 void StrainScan::reset() noexcept {
   next_ = 0;
-  last_ = now_ = {};
+  last_ = now_ = 0;
 }
 
 }  // namespace palpate::elasticity

@@ -6,8 +6,8 @@
 
 namespace palpate::elasticity {
 
-/// Finds the element with the largest strain of a body: the largest magnitude of a principal strain
-/// (stretch minus 1) of an element's mean deformation gradient. Each look() evaluates the next
+/// Largest strain of a body: the largest magnitude of a principal strain (stretch minus 1) of an
+/// element's mean deformation gradient. Each look() evaluates the next
 /// kLook elements, so that its cost does not grow with the mesh. Nothing allocates after
 /// construction.
 class StrainScan {
@@ -17,31 +17,23 @@ class StrainScan {
   /// Throws std::invalid_argument if the body is invalid.
   explicit StrainScan(const Body& body);
 
-  /// At positions x (3 x n).
+  /// At positions x (3 x n), m.
   void look(const Eigen::Matrix3Xd& x) noexcept;
 
   /// Of the last complete turn or of the elements seen since, whichever is larger; 0 before the
   /// first look().
-  double largest() const noexcept {
-    return now_.strain > last_.strain ? now_.strain : last_.strain;
-  }
-  /// Element with that strain; -1: none is strained.
-  int element() const noexcept { return now_.strain > last_.strain ? now_.element : last_.element; }
+  double largest() const noexcept { return now_ > last_ ? now_ : last_; }
   /// Forgets what was seen.
   void reset() noexcept;
 
  private:
-  struct Strained {
-    double strain = 0;
-    int element = -1;
-  };
   double strain_of(const Eigen::Matrix3Xd& x, int element) const noexcept;
 
   Eigen::MatrixXi elements_;     // nodes of each, by column
-  Eigen::Matrix3Xd gradients_;   // mean of each node's shape function over the element, 1/m
+  Eigen::Matrix3Xd gradients_;   // mean gradient of each node's shape function, 1/m
   Eigen::Index node_count_ = 0;  // of the body
   int next_ = 0;
-  Strained last_, now_;  // of the last complete turn, and of this one
+  double last_ = 0, now_ = 0;  // of the last complete turn, and of this one
 };
 
 }  // namespace palpate::elasticity

@@ -54,7 +54,7 @@ std::string problem_of(const Blas& blas) {
   constexpr const char* kRemedy =
       "; select that of the package libopenblas0-pthread by update-alternatives";
   if (!blas.is_thread_safe)
-    return "the BLAS " + blas.file + " is wrong now and then if two threads use it" + kRemedy;
+    return "the BLAS " + blas.file + " is not thread-safe, results may be wrong" + kRemedy;
   if (blas.threads > 1)
     return "the BLAS " + blas.file + " uses " + std::to_string(blas.threads) +
            " threads, which take the processors of the loop" + kRemedy;

@@ -8,8 +8,8 @@ namespace palpate::math {
 struct Blas {
   std::string file;  // path of the shared library; empty if there is none
   int threads = 1;   // that it uses
-  /// False: its buffers are not protected by locks, so that products are wrong now and then if two
-  /// threads of this process call it at the same time.
+  /// False: no locks protect its buffers, so that a product may be wrong if two threads of this
+  /// process call it at the same time.
   bool is_thread_safe = true;
 };
 

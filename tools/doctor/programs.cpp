@@ -78,7 +78,7 @@ Finding check_blas(const Machine& machine) {
                                " /" + folder + "/openblas-pthread/libblas.so.3";
     if (file->find("openblas-serial") != std::string::npos)
       return fail("blas", found,
-                  "products are wrong now and then if two threads use it: palpated does not start "
+                  "not thread-safe, results may be wrong: palpated does not start "
                   "unless deformation.factor is own",
                   select);
     for (const char* parallel : {"pthread", "openmp"}) {

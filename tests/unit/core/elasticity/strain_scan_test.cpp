@@ -39,7 +39,6 @@ TEST_P(StrainScanOfEveryOrder, FindsOneStrainedElementWithinATurnAndForgetsItWit
   for (const int node : body_.mesh.elements.col(last)) x.col(node) *= 1.5;
   turn(scan, x);
   EXPECT_GT(scan.largest(), 0.4);
-  EXPECT_GT((x - body_.mesh.nodes)(Eigen::all, body_.mesh.elements.col(scan.element())).norm(), 0);
   turn(scan, body_.mesh.nodes);
   turn(scan, body_.mesh.nodes);
   EXPECT_LT(scan.largest(), 1e-7);
@@ -70,7 +69,6 @@ TEST(StrainScan, IgnoresPositionsOfAnotherMesh) {
   const Eigen::Matrix3Xd x = 1.2 * body.mesh.nodes, other = x.leftCols(5);
   scan.look(other);
   EXPECT_EQ(scan.largest(), 0);
-  EXPECT_EQ(scan.element(), -1);
   scan.look(x);
   EXPECT_NEAR(scan.largest(), 0.2, 1e-9);
   scan.reset();
