@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kFingerprintSize = 8;
 constexpr int kSessionAt = kFingerprintSize + 8 + 4;  // after utime and seq
-constexpr int kLargestEncodedSize = 65000;
 
 struct Slot {
   std::vector<std::uint8_t> data;
@@ -32,8 +31,8 @@ void require_channel_name(const std::string& channel) {
 
 Slot empty_slot(int encoded_size) {
   if (encoded_size < kFingerprintSize || encoded_size > kLargestEncodedSize)
-    throw std::invalid_argument("encoded size must be 8 to 65000 bytes, not " +
-                                std::to_string(encoded_size));
+    throw std::invalid_argument("encoded size must be 8 to " + std::to_string(kLargestEncodedSize) +
+                                " bytes, not " + std::to_string(encoded_size));
   return {std::vector<std::uint8_t>(static_cast<std::size_t>(encoded_size)), 0};
 }
 

@@ -14,6 +14,8 @@ inline constexpr int kLongestChannel = 63;
 /// Maximum size of name, terminating zero and payload of a message: the largest UDP payload without
 /// LCM's header of 8 bytes.
 inline constexpr int kLargestShortMessage = 65507 - 8;
+/// Of a message that a subscription takes, bytes with its fingerprint.
+inline constexpr int kLargestEncodedSize = 65000;
 
 /// True for 1 to 63 of the characters A-Z, 0-9 and _.
 bool is_channel_name(const std::string& name) noexcept;

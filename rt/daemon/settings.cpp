@@ -5,13 +5,11 @@
 #include <stdexcept>
 
 #include "rt/bus/udpm_url.hpp"
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 #include "rt/config/key_file.hpp"
 
 namespace palpate::daemon {
 namespace {
-
-constexpr int kLargestMessage = 65000;  // bytes, that a subscription takes
 
 void check_url(const config::Node& bus, const char* key, const std::string& url) {
   try {
@@ -99,11 +97,7 @@ Settings read_settings(const config::Node& root) {
                settings.housekeeping_url);
   check_url(bus, "control", settings.control_url);
   check_url(bus, "housekeeping", settings.housekeeping_url);
-  settings.largest_message = bus.integer(
-      {"largest_message", "bytes",
-       "largest message that is received in several fragments, as LCM on macOS sends those above "
-       "1.4 kB; 0: none"},
-      {0, kLargestMessage}, settings.largest_message);
+  settings.largest_message = config::read_largest_message(bus);
   settings.channels = config::read_channel_names(bus);
   settings.key = config::read_key(root);
   return settings;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/math/constants.hpp"
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 #include "rt/config/key_file.hpp"
 #include "sim/scenes/camera_publisher.hpp"
 #include "sim/scenes/obstacles.hpp"

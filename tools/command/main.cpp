@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "rt/client/client.hpp"
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/config/key_file.hpp"
 #include "tools/command/touch.hpp"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 #include "tools/common/program.hpp"
 #include "tools/view/foxglove_content.hpp"
 #include "tools/view/viewer.hpp"

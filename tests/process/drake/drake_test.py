@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import json
 import os
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -24,9 +26,9 @@ sys.path.insert(0, str(WORLDS))
 import drake  # noqa: E402
 import numpy as np  # noqa: E402
 import palpate  # noqa: E402
-from drake import lcmt_schunk_wsg_command, lcmt_schunk_wsg_status  # noqa: E402
+from drake import lcmt_panda_status, lcmt_schunk_wsg_command, lcmt_schunk_wsg_status  # noqa: E402
 from live_run import Program, private_urls  # noqa: E402
-from palpate.messages import hand_command_t, hand_state_t  # noqa: E402
+from palpate.messages import hand_command_t, hand_state_t, robot_state_t  # noqa: E402
 from pydrake.lcm import DrakeLcm  # noqa: E402
 from pydrake.visualization._meldis import Meldis, _ViewerApplet  # noqa: E402
 
@@ -128,6 +130,63 @@ class Torques(unittest.TestCase):
         self.assertEqual(len(contacts), 3)
         for contact in contacts:
             self.assertAlmostEqual(contact["found_N"] / contact["force_N"], 1, delta=0.05)
+
+
+class Fragments(unittest.TestCase):
+    """Statuses of a panda, which have variable arrays, in two datagrams each."""
+
+    def states_of(self, largest_message: int, seconds: float) -> "list[robot_state_t]":
+        """What palpate-drake publishes within `seconds`, until its first state."""
+        control, url = private_urls(2)
+        address, port = url.split("//")[1].split("?")[0].split(":")
+        sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.addCleanup(sender.close)
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "bridge.yaml").write_text(
+                f"robot: {{arm: panda, urdf: {SOURCE}/sim/robot/lwr_hand.urdf}}\n"
+                f"bus: {{control: '{control}', drake: '{url}', largest_message: {largest_message}}}\n"
+            )
+            bridge = Program(
+                "palpate-drake", [BIN / "palpate-drake", "--config", folder / "bridge.yaml"], folder
+            )
+            self.addCleanup(bridge.end)
+            bridge.wait_for("waits for")
+            status = lcmt_panda_status()
+            status.num_joints = 7
+            for array in [
+                "joint_position", "joint_position_desired", "joint_velocity", "joint_velocity_desired",
+                "joint_acceleration_desired", "joint_torque", "joint_torque_desired", "joint_torque_external",
+            ]:  # fmt: skip
+                setattr(status, array, [0.1 * joint for joint in range(7)])
+            part = len(status.encode()) // 2 + 1
+            states: "list[robot_state_t]" = []
+            with palpate.Bus(control) as bus:
+                bus.subscribe("ROBOT_STATE", states.append)
+                end = time.monotonic() + seconds
+                sequence = 0
+                while not states and time.monotonic() < end:
+                    status.utime += 5_000
+                    data, sequence = status.encode(), sequence + 1
+                    parts = [data[at : at + part] for at in range(0, len(data), part)]
+                    for number, piece in enumerate(parts):
+                        head = struct.pack(
+                            ">4sIIIHH", b"LC03", sequence, len(data), number * part, number, len(parts)
+                        )
+                        name_of_channel = b"PANDA_STATUS\0" if number == 0 else b""
+                        sender.sendto(head + name_of_channel + piece, (address, int(port)))
+                    time.sleep(0.005)
+                    bus.drain()
+        return states
+
+    def test_are_joined(self) -> None:
+        states = self.states_of(65000, PATIENCE)
+        self.assertTrue(states)
+        np.testing.assert_allclose(states[0].q[:7], [0.1 * joint for joint in range(7)])
+
+    def test_beyond_the_bound_are_dropped(self) -> None:
+        self.assertEqual(self.states_of(300, 1.0), [])
 
 
 class Gripper(unittest.TestCase):

@@ -4,6 +4,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "messages.hpp"
+#include "rt/bus/lcm_bus.hpp"
 #include "settings.hpp"
 #include "tools/bridge/common/program.hpp"
 #include "tools/record/listener.hpp"
@@ -46,7 +47,7 @@ void run(const palpate::config::Node& configuration, const std::string& file) {
   const bus::Access access{settings.key, bus::wall_clock_us()};
   const auto control = bus::make_lcm_bus(settings.control);
   control->set_channel_names(settings.channels);
-  const auto drake = bus::make_lcm_bus(settings.drake);
+  const auto drake = bus::make_lcm_bus(settings.drake, settings.largest_message);
 
   std::optional<drake_bridge::ForceTorqueInput> wrenches;
   if (!settings.wrench.empty()) wrenches.emplace(*drake, settings.wrench);

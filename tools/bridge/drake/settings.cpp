@@ -2,7 +2,7 @@
 
 #include "iiwa.hpp"
 #include "panda.hpp"
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 #include "rt/config/key_file.hpp"
 #include "tools/bridge/common/settings.hpp"
 
@@ -76,6 +76,7 @@ Settings read_settings(const Node& root) {
   settings.housekeeping = bridge::read_url(bus, {"housekeeping", "", "palpated's shape"},
                                            "udpm://239.255.76.68:7668?ttl=0");
   settings.drake = bridge::read_url(bus, {"drake", "", "Drake's messages"}, settings.control);
+  settings.largest_message = config::read_largest_message(bus);
   settings.key = config::read_key(root);
   settings.guard = bridge::read_guard(root);
   if (root.has("gripper"))

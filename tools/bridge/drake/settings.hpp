@@ -28,6 +28,7 @@ struct Settings {
   double follow = 0.02;                      // rad
   std::string control, housekeeping, drake;  // LCM URLs
   bus::ChannelNames channels;                // of palpate on the control URL
+  int largest_message = 65000;               // Drake's in fragments, bytes; 0: dropped
   std::optional<bus::Key> key;
   driver::JointGuard::Options guard;
   std::optional<Gripper::Options> gripper;

@@ -1,6 +1,6 @@
 #include "settings.hpp"
 
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 #include "rt/config/key_file.hpp"
 #include "tools/bridge/common/settings.hpp"
 

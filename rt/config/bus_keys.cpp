@@ -1,4 +1,4 @@
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 
 #include <algorithm>
 #include <palpate/channels.hpp>
@@ -52,6 +52,14 @@ bus::ChannelNames read_channel_names(const Node& bus) {
       if (other != own && on_bus(other) == name)
         node.fail(own, name + " is the name of " + other + "; allowed: a name of its own");
   return names;
+}
+
+int read_largest_message(const Node& bus) {
+  return bus.integer(
+      {"largest_message", "bytes",
+       "largest message that is received in several fragments, as LCM on macOS sends those above "
+       "1.4 kB; 0: none"},
+      {0, palpate::bus::kLargestEncodedSize}, palpate::bus::kLargestEncodedSize);
 }
 
 }  // namespace palpate::config

@@ -1,4 +1,4 @@
-#include "rt/config/channel_names.hpp"
+#include "rt/config/bus_keys.hpp"
 
 #include <gtest/gtest.h>
 
