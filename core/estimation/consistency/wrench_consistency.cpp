@@ -134,7 +134,7 @@ bool WrenchConsistency::take(const Innovation& now, const FusedState& state,
   }
   sum_count_ = 0;
   judge();
-  if (is_inconsistent_ || !learn) return false;
+  if (is_inconsistent_ || is_pending() || !learn) return false;
   learn_from_wrenches();
   constexpr int kUpdates = static_cast<int>(kSnapshotPeriod / kPeriod);
   if (++updates_ % kUpdates != 0) return false;
@@ -255,6 +255,13 @@ void WrenchConsistency::judge() noexcept {
   passed_ = 0;
   snapshots_back_ = back;
   now_ = back >= kSnapshots ? initial_ : snapshots_[(newest_ - back + 1 + kSnapshots) % kSnapshots];
+}
+
+/// Whether the last test exceeds the threshold and waits for the next ones. What is learnt from
+/// such a wrench would be forgotten if they confirm it; one that is far off, as of a saturated
+/// sensor, would move the parameters beyond where the model's derivatives hold.
+bool WrenchConsistency::is_pending() const noexcept {
+  return exceeded_ > 0 || (snapshot_count_ == 0 && exceeded_prior_ > 0);
 }
 
 void WrenchConsistency::learn_from_wrenches() noexcept {

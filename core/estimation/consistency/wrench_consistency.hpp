@@ -88,6 +88,7 @@ class WrenchConsistency {
                  const elasticity::DeformationModel& model) noexcept;
   WrenchKnowledge::Comparison compare(int hand, const WrenchKnowledge& earlier) const noexcept;
   void judge() noexcept;
+  bool is_pending() const noexcept;
   void learn_from_wrenches() noexcept;
   void forget_snapshots() noexcept;
 

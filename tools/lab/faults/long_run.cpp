@@ -190,8 +190,9 @@ void LongRun::recover() {
       break;
   }
   if (since >= kRecoverWithin) {
-    fail(std::string("is not active again, but ") +
-         pipeline::name(loop_.daemon().pipeline().condition().state));
+    const pipeline::Condition condition = loop_.daemon().pipeline().condition();
+    fail(std::string("is not active again, but ") + pipeline::name(condition.state) + ": " +
+         condition.reason);
     next_ = time();
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <random>
 
 #include "core/elasticity/corotational_model.hpp"
@@ -95,6 +96,7 @@ class DrawnWorld {
     lagged_ += (1 - std::exp(-0.1)) * (wrench - lagged_);
     wrench = lagged_ + math::both_halves((hand_ * offset_).linear()) * bias_;
     for (int i = 0; i < 6; ++i) wrench[i] += (i < 3 ? 0.025 : 0.001) * normal_(random_);
+    if (saturated_) wrench[*saturated_] = 660;  // N, full scale of a sensor
     inputs_.grasps[0] = {pose_freshness_, true, hand_, true, math::Wrench::from(wrench)};
     if (ticks_ % period_ != 0) return;
     inputs_.dt = 1e-3 * period_;
@@ -133,6 +135,7 @@ class DrawnWorld {
   }
 
   bool is_moving_ = true;
+  std::optional<int> saturated_;  // component of the measured wrench that is at full scale
   Freshness pose_freshness_ = Freshness::kNew;
   int period_ = 1;  // ms, of the filter's updates
   Estimate estimate_;

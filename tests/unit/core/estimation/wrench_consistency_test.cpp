@@ -59,6 +59,29 @@ TEST(WrenchConsistency, AForceOnTheObjectOfAMovingHandIsReported) {
   }
 }
 
+/// A sensor at full scale contradicts the model by so much that one wrench of it, learnt from
+/// before a second one confirms the discrepancy, would ruin the parameters for good.
+TEST(WrenchConsistency, ASensorAtFullScaleLeavesTheParametersAlone) {
+  for (const double begin : {0.2, 4.5}) {  // before and after the first snapshot
+    for (int axis = 0; axis < 3; ++axis) {
+      DrawnWorld world(7);
+      world.run(begin);
+      const double young = world.estimate_.log_young_modulus;
+      world.saturated_ = axis;
+      for (int i = 0; i < 500; ++i) {
+        world.tick();
+        ASSERT_NEAR(world.estimate_.log_young_modulus, young, 0.1) << begin << " s, " << axis;
+        ASSERT_LT(world.estimate_.pose_offset[0].head<3>().norm(), 0.01) << begin << " s, " << axis;
+      }
+      EXPECT_TRUE(world.is_reported());
+      world.saturated_.reset();
+      world.run(2);
+      EXPECT_FALSE(world.is_reported());
+      EXPECT_LT(world.mean_error(), 1e-3);
+    }
+  }
+}
+
 /// Control may move by an estimate in doubt, but not by one whose pose is stale as well.
 TEST(WrenchConsistency, AStalePoseIsReportedRatherThanDoubt) {
   DrawnWorld world(1);
