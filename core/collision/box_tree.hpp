@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -16,8 +17,16 @@ class BoxTree {
   /// Adapts the tree to items that have moved; `box(item)` returns the present box.
   template <class Box>
   void refit(const Box& box) noexcept {
+    refit_some(box, 0, size());
+  }
+
+  /// A part of that: the boxes from `begin`, at most `count` of size(). The tree is adapted once
+  /// parts from 0 to size() have been, one after the other.
+  template <class Box>
+  void refit_some(const Box& box, int begin, int count) noexcept {
     // children follow their parent
-    for (std::size_t k = nodes_.size(); k-- > 0;) {
+    const int last = size() - 1 - begin, end = std::max(-1, last - count);
+    for (int k = last; k > end; --k) {
       Node& node = nodes_[k];
       if (node.item >= 0) {
         node.box = box(node.item);
@@ -26,6 +35,8 @@ class BoxTree {
       }
     }
   }
+  /// Number of boxes, those of the leaves included.
+  int size() const noexcept { return static_cast<int>(nodes_.size()); }
 
   /// Box of all items at the last refit; empty without items.
   Eigen::AlignedBox3d bounds() const noexcept {
