@@ -22,12 +22,13 @@ CalmRule read_calm_rule(const config::Node& node) {
   return rule;
 }
 
-/// Entry `sought`: each of its words sets a flag; if absent, the flags are unchanged.
-void read_sought(const config::Node& node, const std::map<std::string, bool*>& flags) {
+/// Entry `sought`, with its words described by `what`: each sets a flag; if absent, the flags are
+/// unchanged.
+void read_sought(const config::Node& node, const char* what,
+                 const std::map<std::string, bool*>& flags) {
   if (!node.has("sought")) return;
   for (const auto& [word, flag] : flags) *flag = false;
-  for (const std::string& word :
-       node.texts({"sought", "", "of what may be sought, all that is; see palpate-fit --help"})) {
+  for (const std::string& word : node.texts({"sought", "", what})) {
     const auto found = flags.find(word);
     if (found == flags.end()) {
       std::string allowed;
@@ -42,6 +43,8 @@ void read_sought(const config::Node& node, const std::map<std::string, bool*>& f
 struct HeldSource {
   std::string log, name, time;
   CalmRule rule;
+  std::string configuration;
+  std::vector<std::string> overrides;
   HeldCell cell;
 
   HeldSource(const config::Node& node, const std::filesystem::path& folder)
@@ -51,17 +54,17 @@ struct HeldSource {
         time(node.choice({"time", "", "by when a message was received, or sent"},
                          {"received", "sent"}, "received")),
         rule(read_calm_rule(node.child_or_empty({"calm", "", "when the hand rests"}))),
-        cell(read_cell(node)) {
+        configuration(node.path({"configuration", "", "of palpated, which describes the object"})) {
     if (name.empty()) name = std::filesystem::path(log).stem().string();
+    if (node.has("set")) overrides = node.texts({"set", "", "laid over it: path.to.key=value"});
+    cell = read_held_cell(configuration, overrides);
   }
 
- private:
-  static HeldCell read_cell(const config::Node& node) {
-    const std::string configuration =
-        node.path({"configuration", "", "of palpated, which describes the object"});
-    std::vector<std::string> overrides;
-    if (node.has("set")) overrides = node.texts({"set", "", "laid over it: path.to.key=value"});
-    return read_held_cell(configuration, overrides);
+  /// Gives a hand with rigid pads compliant ones, whose stiffness is identified then.
+  void assume_pads() {
+    if (!cell.object.body.grasps[0].compliance.isZero(0)) return;
+    overrides.push_back("object.grasp_stiffness=" + std::to_string(kPadStiffness));
+    cell = read_held_cell(configuration, overrides);
   }
 };
 
@@ -86,11 +89,18 @@ std::unique_ptr<Experiment> make_held_object(const config::Node& node,
   HeldSource source(node, folder);
   HeldOptions options;
   HeldSought& sought = options.sought;
-  read_sought(node, {{"poisson_ratio", &sought.poisson_ratio},
-                     {"density", &sought.density},
-                     {"grasp", &sought.grasp},
-                     {"bias", &sought.bias},
-                     {"hand", &sought.hand}});
+  read_sought(
+      node,
+      "identified in addition to Young's modulus: poisson_ratio, density, grasp (pose of the "
+      "hand), bias (of the sensor), hand (its weight), pads (their stiffness); absent: "
+      "poisson_ratio and bias",
+      {{"poisson_ratio", &sought.poisson_ratio},
+       {"density", &sought.density},
+       {"grasp", &sought.grasp},
+       {"bias", &sought.bias},
+       {"hand", &sought.hand},
+       {"pads", &sought.pads}});
+  if (sought.pads) source.assume_pads();
   if (node.has("markers"))
     options.markers =
         node.points({"markers", "m", "at rest, in the object, that a camera follows"});
@@ -115,9 +125,13 @@ std::unique_ptr<Experiment> make_held_decay(const config::Node& node,
   const HeldSource source(node, folder);
   HeldDecayOptions options;
   options.modes = node.integer({"modes", "", "of the object, that ring"}, {1, 20}, options.modes);
-  read_sought(node, {{"density", &options.density},
-                     {"mass_damping", &options.mass_damping},
-                     {"stiffness_damping", &options.stiffness_damping}});
+  read_sought(
+      node,
+      "identified in addition to Young's modulus: density, mass_damping, stiffness_damping; "
+      "absent: mass_damping",
+      {{"density", &options.density},
+       {"mass_damping", &options.mass_damping},
+       {"stiffness_damping", &options.stiffness_damping}});
   const double duration =
       node.number({"duration", "s", "after a stop, that is looked at"}, {0.1, 60}, 1);
   const double rate = node.number({"rate", "Hz", "at which it is looked at"}, {10, 1e4}, 200);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/contact/surface_match.hpp"
+#include "core/elasticity/pad_compliance.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -41,14 +42,8 @@ struct HeldObject::State {
   math::Pose offset = math::Pose::Identity();  // of the true G in the measured one
   Matrix3d left_jacobian = Matrix3d::Identity();
   sensing::PayloadParameters hand;  // with the bias
-};
-
-struct HeldObject::Equilibrium {
-  Matrix3Xd positions;
-  math::Pose X_OG;      // true
-  math::Wrench wrench;  // of the hand on the object at the origin of G, in O
-  math::Matrix6d motion = math::Matrix6d::Zero();  // (dp_O, rotation in O) by the grasp's offset
-  Sensitivity response;
+  // Compliances in G: of the pads, and what the mesh lacks next to them.
+  math::Matrix6d pads = math::Matrix6d::Zero(), patch = math::Matrix6d::Zero();
 };
 
 HeldObject::HeldObject(std::string name, HeldCell cell, HeldRecording recording,
@@ -104,6 +99,14 @@ void HeldObject::list_parameters() {
     for (int k = 0; k < 3; ++k)
       add({name_ + ".hand_moment_" + kAxes[k], "kg m", cell_.hand.first_moment[k], -50, 50, false});
   }
+  if (sought.pads) {
+    const elasticity::GraspRegion& grasp = cell_.object.body.grasps[0];
+    soft_pads_ = elasticity::pad_compliance(cell_.object.body, grasp, cell_.object.surface, 1);
+    const double configured = grasp.compliance(0, 0);
+    const double start = configured > 0 ? soft_pads_(0, 0) / configured : kPadStiffness;
+    pads_ = static_cast<int>(parameters_.size());
+    add({"grasp_stiffness", "N/m", start, 1, 1e9, true});
+  }
 }
 
 void HeldObject::list_series() {
@@ -151,7 +154,8 @@ void HeldObject::list_series() {
 }
 
 HeldObject::State HeldObject::state(const Eigen::VectorXd& p) const {
-  State state{cell_.object.body, {}, {}, cell_.hand};
+  const elasticity::GraspRegion& grasp = cell_.object.body.grasps[0];
+  State state{cell_.object.body, {}, {}, cell_.hand, grasp.compliance, {}};
   state.body.material = {p[Sensitivity::kLogYoung], p[Sensitivity::kPoisson],
                          p[Sensitivity::kLogDensity]};
   state.offset.setIdentity();
@@ -166,6 +170,9 @@ HeldObject::State HeldObject::state(const Eigen::VectorXd& p) const {
     state.hand.mass = p[mass_];
     state.hand.first_moment = p.segment<3>(mass_ + 1);
   }
+  if (pads_ >= 0) state.pads = soft_pads_ / p[pads_];
+  state.patch = grasp.object_compliance * cell_.object.body.material.young_modulus /
+                p[Sensitivity::kLogYoung];
   return state;
 }
 
@@ -175,52 +182,55 @@ math::Pose HeldObject::grasp(const State& state, const math::Pose& X_WE) const {
 
 void HeldObject::follow_hand() {
   const State at_start = state(start());
-  elasticity::StaticSolver solver(at_start.body);
-  const Matrix3Xd no_loads = Matrix3Xd::Zero(3, at_start.body.mesh.node_count());
+  HeldEquilibrium equilibrium(at_start.body, at_start.pads + at_start.patch);
   elasticity::StaticOptions options;
   options.tolerance = 1e-7;
   Matrix3Xd shape = at_start.body.mesh.nodes;
+  math::Vector6d yield = math::Vector6d::Zero();
   double force = 0, torque = 0;
   for (const HeldSample& sample : recording_.samples) {
     std::vector<math::Pose> way = sample.way;
     way.push_back(sample.X_WE);
+    bool found = false;
     for (const math::Pose& X_WE : way) {
-      const auto found = solver.solve(no_loads, {grasp(at_start, X_WE), {}}, options, &shape);
-      if (found.converged) shape = found.positions;
-      if (!found.converged && &X_WE == &way.back())
-        throw std::invalid_argument(
-            name_ + ": no equilibrium of the object is found for the hand at " +
-            std::to_string(sample.time) +
-            " s; check mesh, frames and grasp of the configuration against the recording");
-      if (&X_WE != &way.back()) continue;
-      const math::Wrench wrench = elasticity::patch_wrench(
-          at_start.body.grasps[0], grasp(at_start, X_WE), found.positions, found.reactions);
-      force = std::max(force, wrench.force.norm());
-      torque = std::max(torque, wrench.torque.norm());
+      found = equilibrium.solve(grasp(at_start, X_WE), shape, yield, options);
+      if (!found) continue;
+      shape = equilibrium.positions();
+      yield = equilibrium.yield();
     }
+    if (!found)
+      throw std::invalid_argument(
+          name_ + ": no equilibrium of the object is found for the hand at " +
+          std::to_string(sample.time) +
+          " s; check mesh, frames and grasp of the configuration against the recording");
+    force = std::max(force, equilibrium.wrench().force.norm());
+    torque = std::max(torque, equilibrium.wrench().torque.norm());
     shapes_.push_back(shape);
+    yields_.push_back(yield);
   }
   for (int k = 0; k < 6; ++k)
     series_[k].deviation =
         std::hypot(series_[k].deviation, options_.model_error * (k < 3 ? force : torque));
 }
 
-bool HeldObject::solve(elasticity::StaticSolver& solver, const State& state, int sample,
-                       bool derive, Equilibrium& found) const {
-  const Matrix3Xd no_loads = Matrix3Xd::Zero(3, state.body.mesh.node_count());
-  const math::Pose X_WE = recording_.samples[sample].X_WE;
-  found.X_OG = grasp(state, X_WE);
-  const auto solution = solver.solve(no_loads, {found.X_OG, {}}, {}, &shapes_[sample]);
-  if (!solution.converged) return false;
-  found.positions = solution.positions;
-  found.wrench = elasticity::patch_wrench(state.body.grasps[0], found.X_OG, solution.positions,
-                                          solution.reactions);
-  if (!derive) return true;
-  found.response = solver.response();
-  const Matrix3d R = (cell_.frames.X_WO.inverse() * X_WE * cell_.frames.X_EG).linear();
-  found.motion.topLeftCorner<3, 3>() = R;
-  found.motion.bottomRightCorner<3, 3>() = R * state.left_jacobian;
-  return found.response.valid;
+/// What the parameters change at a pose of the flange.
+HeldEquilibrium::Changes HeldObject::changes(const State& state, const math::Pose& X_WE,
+                                             double stiffness) const {
+  const auto count = static_cast<Eigen::Index>(parameters_.size());
+  HeldEquilibrium::Changes changes;
+  changes.hand.setZero(6, count);
+  changes.material.setZero(kMaterial, count);
+  changes.material.leftCols<kMaterial>() = by_parameter(state.body.material).asDiagonal();
+  if (grasp_ >= 0) {
+    const Matrix3d R = (cell_.frames.X_WO.inverse() * X_WE * cell_.frames.X_EG).linear();
+    changes.hand.block<3, 3>(0, grasp_) = R;
+    changes.hand.block<3, 3>(3, grasp_ + 3) = R * state.left_jacobian;
+  }
+  if (!state.patch.isZero(0))
+    changes.pads.emplace_back(Sensitivity::kLogYoung,
+                              -state.patch / state.body.material.young_modulus);
+  if (pads_ >= 0) changes.pads.emplace_back(pads_, -state.pads / stiffness);
+  return changes;
 }
 
 bool HeldObject::predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
@@ -228,22 +238,24 @@ bool HeldObject::predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& pre
   const State at = state(parameters);
   prediction.resize(sample_count());
   if (jacobian) jacobian->setZero(sample_count(), static_cast<Eigen::Index>(parameters_.size()));
-  elasticity::StaticSolver solver(at.body);
-  Equilibrium found;
+  HeldEquilibrium found(at.body, at.pads + at.patch);
   for (int i = 0; i < samples(); ++i) {
-    if (!solve(solver, at, i, jacobian != nullptr, found)) return false;
+    const math::Pose X_WE = recording_.samples[i].X_WE;
+    if (!found.solve(grasp(at, X_WE), shapes_[i], yields_[i])) return false;
+    const double stiffness = pads_ >= 0 ? parameters[pads_] : 1;
+    if (jacobian && !found.differentiate(changes(at, X_WE, stiffness))) return false;
     predict_wrench(at, i, found, prediction, jacobian);
     if (seen_[i].cols() == 0) continue;
     if (markers_.empty()) {
-      predict_cloud(at, i, found, prediction, jacobian);
+      predict_cloud(i, found, prediction, jacobian);
     } else {
-      predict_markers(at, i, found, prediction, jacobian);
+      predict_markers(i, found, prediction, jacobian);
     }
   }
   return true;
 }
 
-void HeldObject::predict_wrench(const State& state, int sample, const Equilibrium& found,
+void HeldObject::predict_wrench(const State& state, int sample, const HeldEquilibrium& found,
                                 Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const {
   const math::Pose X_WS = recording_.samples[sample].X_WE * cell_.frames.X_ES;
   const math::Pose X_SG = cell_.frames.X_ES.inverse() * cell_.frames.X_EG;
@@ -256,18 +268,14 @@ void HeldObject::predict_wrench(const State& state, int sample, const Equilibriu
   const sensing::PayloadRegressor regressor =
       sensing::load_regressor(sensing::motion_at_rest(X_WS.linear(), cell_.frames.gravity_W));
   const math::Vector6d wrench =
-      to_S * found.wrench.vector() + regressor * sensing::to_vector(state.hand);
+      to_S * found.wrench().vector() + regressor * sensing::to_vector(state.hand);
   const int n = samples();
   for (int k = 0; k < 6; ++k) prediction[k * n + sample] = wrench[k];
   if (!jacobian) return;
 
-  Eigen::Matrix<double, 6, Eigen::Dynamic> rows(6, jacobian->cols());
-  rows.setZero();
-  rows.leftCols<kMaterial>() =
-      to_S * found.response.dw_dparameter[0] * by_parameter(state.body.material).asDiagonal();
+  HeldEquilibrium::Columns rows = to_S * found.wrench_columns();
   if (grasp_ >= 0) {
-    rows.middleCols<6>(grasp_) = to_S * found.response.dw_dxi[0][0] * found.motion;
-    const Vector3d force = R_SO * found.wrench.force;  // its lever arm follows the offset
+    const Vector3d force = R_SO * found.wrench().force;  // its lever arm follows the offset
     rows.block<3, 3>(3, grasp_) -= math::cross_matrix(force) * X_SG.linear();
   }
   if (bias_ >= 0) rows.middleCols<6>(bias_) = regressor.rightCols<6>();
@@ -275,33 +283,22 @@ void HeldObject::predict_wrench(const State& state, int sample, const Equilibriu
   for (int k = 0; k < 6; ++k) jacobian->row(k * n + sample) = rows.row(k);
 }
 
-/// Derivatives of a node's position by all parameters.
-Matrix3Xd HeldObject::node_columns(const State& state, const Equilibrium& found, int node) const {
-  Matrix3Xd columns = Matrix3Xd::Zero(3, static_cast<Eigen::Index>(parameters_.size()));
-  columns.leftCols<kMaterial>() = found.response.dx_dparameter.middleRows<3>(3 * node) *
-                                  by_parameter(state.body.material).asDiagonal();
-  if (grasp_ >= 0)
-    columns.middleCols<6>(grasp_) = found.response.dx_dxi[0].middleRows<3>(3 * node) * found.motion;
-  return columns;
-}
-
-void HeldObject::predict_markers(const State& state, int sample, const Equilibrium& found,
+void HeldObject::predict_markers(int sample, const HeldEquilibrium& found,
                                  Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const {
   int row = first_row_[sample];
   for (const mesh::PointWeights& marker : markers_) {
-    prediction.segment<3>(row) = marker.interpolate(found.positions);
+    prediction.segment<3>(row) = marker.interpolate(found.positions());
     for (int i = 0; jacobian && i < marker.count; ++i)
-      jacobian->middleRows<3>(row) +=
-          marker.weights[i] * node_columns(state, found, marker.nodes[i]);
+      jacobian->middleRows<3>(row) += marker.weights[i] * found.node_columns(marker.nodes[i]);
     row += 3;
   }
 }
 
 /// Distances change as the closest surface point moves towards the observed one.
-void HeldObject::predict_cloud(const State& state, int sample, const Equilibrium& found,
+void HeldObject::predict_cloud(int sample, const HeldEquilibrium& found,
                                Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const {
   contact::SurfaceMatcher matcher(cell_.object.surface, kFootSteps);
-  matcher.take(found.positions);
+  matcher.take(found.positions());
   int row = first_row_[sample];
   for (Eigen::Index i = 0; i < seen_[sample].cols(); ++i, ++row) {
     const Vector3d p = seen_[sample].col(i);
@@ -314,7 +311,7 @@ void HeldObject::predict_cloud(const State& state, int sample, const Equilibrium
         match.distance > 1e-9 ? Vector3d(side / match.distance * gap) : match.normal;
     for (int k = 0; k < match.count; ++k)
       jacobian->row(row) -=
-          match.weights[k] * direction.transpose() * node_columns(state, found, match.nodes[k]);
+          match.weights[k] * direction.transpose() * found.node_columns(match.nodes[k]);
   }
 }
 

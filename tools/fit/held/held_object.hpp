@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/elasticity/static_solver.hpp"
 #include "core/mesh/point_locator.hpp"
 #include "tools/fit/experiment.hpp"
 #include "tools/fit/held/held_cell.hpp"
+#include "tools/fit/held/held_equilibrium.hpp"
 #include "tools/fit/held/held_log.hpp"
 
 namespace palpate::fit {
@@ -19,7 +19,11 @@ struct HeldSought {
   bool grasp = false;  // six: the hand's pose in its measured frame G, m and rotation vector, rad
   bool bias = true;    // six: bias of the sensor, N and N m in S
   bool hand = false;   // four: mass of the hand, kg, and mass times its centre in S, kg m
+  bool pads = false;   // stiffness of the hand's pads together, N/m; else as configured
 };
+
+/// N/m, of pads together: start of a fit where the configuration has rigid ones.
+inline constexpr double kPadStiffness = 1e5;
 
 struct HeldOptions {
   HeldSought sought;
@@ -36,9 +40,10 @@ struct HeldOptions {
 /// predict the wrist reading,
 ///    F_S = [R_SO f, R_SO tau + p_SG x R_SO f] + weight of the hand + bias,
 /// with (f, tau) of the hand on the object at the origin of G, and the positions of markers, or the
-/// distance of an observed point from the surface (positive outside, measured as 0). The Jacobian
-/// is that of StaticResponse (control.md 6.2), chained to the grasp's offset; own parameters have
-/// the recording's name as prefix, "NAME.bias_fx".
+/// distance of an observed point from the surface (positive outside, measured as 0). Pads yield as
+/// palpated's do, and with them what the mesh lacks next to them (HeldEquilibrium). The Jacobian is
+/// that of StaticResponse (control.md 6.2), chained to the grasp's offset and the pads; own
+/// parameters have the recording's name as prefix, "NAME.bias_fx".
 class HeldObject final : public Experiment {
  public:
   /// Follows the hand from rest to each sample; the resulting shapes are the starts of all
@@ -54,38 +59,40 @@ class HeldObject final : public Experiment {
 
  private:
   struct State;
-  struct Equilibrium;
   void list_parameters();
   void list_series();
   State state(const Eigen::VectorXd& parameters) const;
   math::Pose grasp(const State& state, const math::Pose& X_WE) const;
   void follow_hand();
-  bool solve(elasticity::StaticSolver& solver, const State& state, int sample, bool derive,
-             Equilibrium& found) const;
-  void predict_wrench(const State& state, int sample, const Equilibrium& found,
+  HeldEquilibrium::Changes changes(const State& state, const math::Pose& X_WE,
+                                   double stiffness) const;
+  void predict_wrench(const State& state, int sample, const HeldEquilibrium& found,
                       Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const;
-  void predict_markers(const State& state, int sample, const Equilibrium& found,
-                       Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const;
-  void predict_cloud(const State& state, int sample, const Equilibrium& found,
-                     Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const;
-  Eigen::Matrix3Xd node_columns(const State& state, const Equilibrium& found, int node) const;
+  void predict_markers(int sample, const HeldEquilibrium& found, Eigen::VectorXd& prediction,
+                       Eigen::MatrixXd* jacobian) const;
+  void predict_cloud(int sample, const HeldEquilibrium& found, Eigen::VectorXd& prediction,
+                     Eigen::MatrixXd* jacobian) const;
   static constexpr int kMaterial = 3;  // first columns, in the order of Sensitivity::Parameter
   int samples() const { return static_cast<int>(recording_.samples.size()); }
 
   HeldCell cell_;
   HeldRecording recording_;
   HeldOptions options_;
-  int grasp_ = -1, bias_ = -1, mass_ = -1;  // first columns, -1: not identified
+  /// First columns, -1: not identified.
+  int grasp_ = -1, bias_ = -1, mass_ = -1, pads_ = -1;
+  math::Matrix6d soft_pads_ = math::Matrix6d::Zero();  // compliance of pads of 1 N/m
   std::vector<mesh::PointWeights> markers_;
-  std::vector<Eigen::Matrix3Xd> seen_;    // by sample, in O
-  std::vector<int> first_row_;            // from a sample's points
-  std::vector<Eigen::Matrix3Xd> shapes_;  // by sample, start of Newton's method
+  std::vector<Eigen::Matrix3Xd> seen_;  // by sample, in O
+  std::vector<int> first_row_;          // from a sample's points
+  // By sample, start of Newton's method.
+  std::vector<Eigen::Matrix3Xd> shapes_;
+  std::vector<math::Vector6d> yields_;  // of the pads
 };
 
 /// Kind `held_object`: a grasp-and-move recording from an LCM log. Keys: log (below the folder of
 /// the data), configuration (of palpated, which describes the object; relative to this file), set
 /// (overrides of it), time (received, sent), calm (linear_speed, angular_speed, settle, window,
-/// every: see CalmRule), sought (list of poisson_ratio, density, grasp, bias, hand; absent:
+/// every: see CalmRule), sought (list of poisson_ratio, density, grasp, bias, hand, pads; absent:
 /// poisson_ratio, bias), model_error (0.01), markers (rest points), points (of a cloud, 60),
 /// held_out (by `time` or `sample`). A few rests are not enough to estimate the noise: with them
 /// fit by `solver: {reweigh: false}`. Throws config::Error and std::runtime_error.

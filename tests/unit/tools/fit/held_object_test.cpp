@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/elasticity/pad_compliance.hpp"
 #include "tests/unit/tools/fit/held_bar.hpp"
 
 namespace palpate::fit {
@@ -12,7 +13,7 @@ using Eigen::VectorXd;
 
 HeldOptions everything() {
   HeldOptions options;
-  options.sought = {true, true, true, true, true};
+  options.sought = {true, true, true, true, true, true};
   return options;
 }
 
@@ -22,6 +23,7 @@ VectorXd elsewhere(const Experiment& experiment) {
   for (Eigen::Index k = 0; k < p.size(); ++k) {
     const std::string& name = experiment.parameters()[k].name;
     if (name.find(".grasp_") != std::string::npos) p[k] = (k % 2 ? -1 : 1) * 0.002 * (k + 1);
+    if (name == "grasp_stiffness") p[k] = 3e3;
   }
   p[0] *= 1.3;
   p[1] -= 0.05;
@@ -101,6 +103,54 @@ TEST(HeldObject, TorqueIsThatOfHandAndStiffObject) {
   const Vector3d expected =
       cell.hand.first_moment.cross(up_S) + 60 * 0.2 * 0.05 * 0.04 * center_S.cross(up_S);
   EXPECT_LT((reading.tail(3) - expected).norm(), 1e-4 * expected.norm());
+}
+
+// The object yields in the hand as its springs' wrench makes it; seen from O, at the displaced
+// patch, nothing differs from a hand that has moved there.
+TEST(HeldObject, PadsYieldByTheirComplianceTimesTheWrench) {
+  const HeldCell cell = make_held_bar(mesh::ElementOrder::kQuadratic);
+  const elasticity::Body& body = cell.object.body;
+  const elasticity::GraspRegion& grasp = body.grasps[0];
+  const math::Matrix6d pads = elasticity::pad_compliance(body, grasp, cell.object.surface, 2e3);
+  HeldEquilibrium padded(body, pads), rigid(body, math::Matrix6d::Zero());
+  const HeldRecording recording = make_rests(cell, six_motions());
+  double most = 0;
+  for (const HeldSample& sample : recording.samples) {
+    const math::Pose X_OH = cell.frames.X_WO.inverse() * sample.X_WE * cell.frames.X_EG;
+    ASSERT_TRUE(padded.solve(X_OH, body.mesh.nodes, math::Vector6d::Zero()));
+    math::Vector6d wrench;  // in the hand's G
+    wrench << X_OH.linear().transpose() * padded.wrench().force,
+        X_OH.linear().transpose() * padded.wrench().torque;
+    EXPECT_LT((padded.yield() + pads * wrench).norm(), 1e-9);
+    most = std::max(most, padded.yield().head<3>().norm());
+    const math::Pose X_OG = X_OH * math::make_pose(math::exp_rotation(padded.yield().tail<3>()),
+                                                   padded.yield().head<3>());
+    ASSERT_TRUE(rigid.solve(X_OG, padded.positions(), math::Vector6d::Zero()));
+    EXPECT_LT((rigid.positions() - padded.positions()).colwise().norm().maxCoeff(), 1e-8);
+    EXPECT_LT((rigid.wrench().force - padded.wrench().force).norm(), 1e-6);
+  }
+  EXPECT_GT(most, 5e-4);
+}
+
+// Readings of pads of 3 kN/m, fitted by rigid ones and by pads of an unknown stiffness.
+TEST(HeldObject, PadsAreTakenFromTheConfigurationUnlessTheyAreSought) {
+  HeldCell cell = make_held_bar();
+  const HeldRecording rests = make_rests(cell, six_motions());
+  const HeldObject rigid("bar", cell, rests, everything());
+  elasticity::GraspRegion& grasp = cell.object.body.grasps[0];
+  grasp.compliance = elasticity::pad_compliance(cell.object.body, grasp, cell.object.surface, 3e3);
+  const HeldObject configured("bar", cell, rests);
+  HeldOptions options;
+  options.sought.pads = true;
+  const HeldObject sought("bar", cell, rests, options);
+  const Parameter& stiffness = sought.parameters().back();
+  EXPECT_EQ(stiffness.name, "grasp_stiffness");
+  EXPECT_NEAR(stiffness.start, 3e3, 1e-6);
+  EXPECT_NEAR(rigid.parameters().back().start, 1e5, 1e-6);
+  VectorXd one, other;
+  ASSERT_TRUE(configured.predict(starts(configured), one, nullptr));
+  ASSERT_TRUE(sought.predict(starts(sought), other, nullptr));
+  EXPECT_LT((one - other).cwiseAbs().maxCoeff(), 1e-7);
 }
 
 TEST(HeldObject, OwnParametersCarryItsNameAndKnownOnesAreFixed) {
