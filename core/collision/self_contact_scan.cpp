@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <set>
 
 namespace palpate::collision {
 namespace {
@@ -15,10 +17,36 @@ std::vector<Eigen::AlignedBox3d> boxes_of(const mesh::ElementMesh& mesh) {
   return boxes;
 }
 
+/// By corner of each element: kDepth if the opposite face is on the surface, else 0 less rounding,
+/// so that a point on a face between two elements is inside.
+Eigen::Matrix4Xd least_coordinates(const mesh::ElementMesh& mesh, const mesh::Surface& surface) {
+  constexpr double kRounding = 1e-9;
+  const auto sorted = [](std::array<int, 3> face) {
+    std::sort(face.begin(), face.end());
+    return face;
+  };
+  std::set<std::array<int, 3>> faces;
+  for (int t = 0; t < surface.triangles.cols(); ++t)
+    faces.insert(
+        sorted({surface.triangles(0, t), surface.triangles(1, t), surface.triangles(2, t)}));
+  Eigen::Matrix4Xd least(kCorners, mesh.element_count());
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    for (int i = 0; i < kCorners; ++i) {
+      std::array<int, 3> face{};
+      for (int k = 0; k < 3; ++k) face[k] = mesh.elements((i + 1 + k) % kCorners, e);
+      least(i, e) = faces.count(sorted(face)) > 0 ? SelfContactScan::kDepth : -kRounding;
+    }
+  }
+  return least;
+}
+
 }  // namespace
 
 SelfContactScan::SelfContactScan(const mesh::ElementMesh& mesh, const mesh::Surface& surface)
-    : elements_(mesh.elements), x_(mesh.nodes), tree_(boxes_of(mesh)) {
+    : elements_(mesh.elements),
+      least_(least_coordinates(mesh, surface)),
+      x_(mesh.nodes),
+      tree_(boxes_of(mesh)) {
   std::vector<std::vector<int>> of_node(static_cast<std::size_t>(mesh.node_count()));
   for (int e = 0; e < mesh.element_count(); ++e)
     for (const int node : mesh.elements.col(e)) of_node[node].push_back(e);
@@ -48,8 +76,10 @@ bool SelfContactScan::is_inside(const Eigen::Vector3d& point, int element) const
   const auto nodes = elements_.col(element);
   Eigen::Matrix3d edges;
   for (int i = 0; i < 3; ++i) edges.col(i) = x_.col(nodes[i + 1]) - x_.col(nodes[0]);
-  const Eigen::Vector3d share = edges.inverse() * (point - x_.col(nodes[0]));
-  return share.minCoeff() > kDepth && share.sum() < 1 - kDepth;  // false if it is not a number
+  Eigen::Vector4d share;
+  share.tail<3>() = edges.inverse() * (point - x_.col(nodes[0]));
+  share[0] = 1 - share.tail<3>().sum();
+  return (share.array() > least_.col(element).array()).all();  // false if it is not a number
 }
 
 bool SelfContactScan::touches(int index) const noexcept {

@@ -10,9 +10,9 @@ namespace palpate::collision {
 /// Where a deformable object, whose parts pass through one another in the model, overlaps itself:
 /// nodes of the surface inside an element that is no neighbour of theirs. Each look() refits part
 /// of a tree of the elements' boxes or examines the next nodes, so that its cost does not grow with
-/// the mesh. Elements count with straight edges; a node is inside if it is deeper than kDepth of
-/// the element's heights, about 1 mm in an element of 50 mm. Overlaps without such a node, as of
-/// two edges, are found once they are deeper. Nothing allocates after construction.
+/// the mesh. Elements count with straight edges; a node is inside if it is deeper below the surface
+/// than kDepth of the element's height, about 1 mm in an element of 50 mm. Overlaps without such a
+/// node, as of two edges, are found once they are deeper. Nothing allocates after construction.
 class SelfContactScan {
  public:
   static constexpr int kLook = 4, kRefit = 16;  // nodes, and boxes of the tree, of each look()
@@ -35,6 +35,7 @@ class SelfContactScan {
   bool touches(int index) const noexcept;
 
   Eigen::MatrixXi elements_;             // nodes of each, by column; corners first
+  Eigen::Matrix4Xd least_;               // barycentric coordinates of points inside, by column
   std::vector<int> nodes_;               // of the surface
   std::vector<int> begin_, neighbours_;  // of nodes_[i]: its elements' neighbours, sorted
   Eigen::Matrix3Xd x_;                   // during a turn

@@ -60,7 +60,7 @@ TEST(WrenchConsistency, AForceOnTheObjectOfAMovingHandIsReported) {
 }
 
 /// A sensor at full scale contradicts the model by so much that one wrench of it, learnt from
-/// before a second one confirms the discrepancy, would ruin the parameters for good.
+/// before a second one confirms the discrepancy, would ruin the parameters.
 TEST(WrenchConsistency, ASensorAtFullScaleLeavesTheParametersAlone) {
   for (const double begin : {0.2, 4.5}) {  // before and after the first snapshot
     for (int axis = 0; axis < 3; ++axis) {
