@@ -33,16 +33,18 @@ constexpr const char* kReport = "tools/lab/report/report_discrepancies";
 constexpr double kWorldPatience = 1500;  // s, of a replay, and of a simulation besides its duration
 constexpr double kWorldSlowness = 30;    // times real time, at most
 // A long world is read at fewer instants, for the sake of memory.
-constexpr double kPeriod = 0.1;           // s
-constexpr double kEstimatePeriod = 0.01;  // s
+constexpr double kLong = 120, kPeriod = 0.1;  // s
+constexpr double kEstimatePeriod = 0.01;      // s
+
+bool is_long(const DiscrepancyWorld& world) { return world.duration > kLong; }
 
 double patience_of(const DiscrepancyWorld& world) {
-  return kWorldPatience + kWorldSlowness * std::max(0.0, world.duration - world.kLong);
+  return kWorldPatience + kWorldSlowness * std::max(0.0, world.duration - kLong);
 }
 
 SensingScene scene_of(const DiscrepancyWorld& world) {
   return {world.scene, world.scene_overrides, world.configuration,
-          {},          world.duration,        world.is_long() ? kPeriod : 0};
+          {},          world.duration,        is_long(world) ? kPeriod : 0};
 }
 
 std::vector<std::string> hashes_of_programs() {
@@ -71,8 +73,8 @@ void replay_world(const DiscrepancyWorld& world, const SensingRecording& recordi
   log.shape_chunks.clear();
   log.estimates.clear();
   log.health.clear();
-  const std::int64_t shape_period = world.is_long() ? std::llround(1e6 * kPeriod) : 0,
-                     estimate_period = world.is_long() ? std::llround(1e6 * kEstimatePeriod) : 0;
+  const std::int64_t shape_period = is_long(world) ? std::llround(1e6 * kPeriod) : 0,
+                     estimate_period = is_long(world) ? std::llround(1e6 * kEstimatePeriod) : 0;
   log::LogReader reader(log::LogClock::kSent);
   reader.collect(channel::kShape, log.shapes, shape_period);
   reader.collect(channel::kShapeMesh, log.shape_chunks);
@@ -116,7 +118,7 @@ void run_world(const DiscrepancyWorld& world, const std::string& inputs_hash,
       scene.X_WO;
 
   std::vector<scores::ShapeErrorSample> pose_alone;
-  if (!world.is_long()) {  // a long world counts false reports
+  if (!is_long(world)) {  // a long world counts false reports
     std::vector<std::string> overrides = world.daemon_overrides;
     overrides.emplace_back("estimation={component: pose_driven}");
     replay_world(world, recording, overrides, folder, log);

@@ -37,8 +37,6 @@ DiscrepancyObject read_object(const config::Node& node, const std::string& name,
   object.weight = read_range(node, {"weight", "N", "of what lies on the object"}, {0, 1000});
   object.clamp_stiffness =
       read_range(node, {"clamp_stiffness", "N/m", "of a sprung clamp, logarithmic"}, {1, 1e8});
-  object.long_elements =
-      node.vector3({"long_elements", "", "of the plant in long worlds"}, {1, 1000});
   return object;
 }
 

@@ -70,7 +70,6 @@ class World {
     move();
     if (kind == "slip") slip();
     if (kind == "weight") weight();
-    if (world_.is_long()) set("object.elements", text_of(object_.long_elements));
     return world_;
   }
 

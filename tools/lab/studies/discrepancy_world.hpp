@@ -27,7 +27,6 @@ struct DiscrepancyObject {
   DrawnRange down, side;       // m, of the hand beyond where the obstacle begins
   DrawnRange weight;           // N
   DrawnRange clamp_stiffness;  // N/m, logarithmic
-  Eigen::Vector3d long_elements = Eigen::Vector3d::Ones();  // of the plant in long worlds
 };
 
 /// A kind of discrepancy; ranges that a kind does not have are zero.
@@ -81,10 +80,6 @@ struct DiscrepancyWorld {
   double end = std::numeric_limits<double>::infinity();  // s; infinite: it stays
   std::optional<RigidObstacle> obstacle;
   std::vector<runs::DrawnValue> drawn;  // of the discrepancy, then of the model error
-
-  /// Longer than two minutes: simulated with fewer elements, and read at fewer instants.
-  bool is_long() const { return duration > kLong; }
-  static constexpr double kLong = 120;  // s
 };
 
 /// Which worlds of a plan.
