@@ -30,8 +30,8 @@ class HeldEquilibrium {
   /// With the hand at X_OH, from the shape `near` and the pads' `yield`. False if there is none.
   bool solve(const math::Pose& X_OH, const Eigen::Matrix3Xd& near, const math::Vector6d& yield,
              const elasticity::StaticOptions& options = {});
-  /// Of the last solution: patch(), wrench_columns() and node_columns(). False if its tangent is
-  /// not positive definite.
+  /// Computes wrench_columns() and node_columns() of the last solution. False if its tangent is not
+  /// positive definite.
   bool differentiate(const Changes& changes);
 
   const Eigen::Matrix3Xd& positions() const { return positions_; }
